@@ -52,6 +52,10 @@ _orphans: list[Handles | Assets] = []
 threads do not exist in the child; so they stay referenced until the child ends."""
 
 
+_MOST_IN_TABLES = 500_000
+"""Craters about the ground in view of a frame, of which a dataset has a table."""
+
+
 def default_threads() -> int:
     """Number of processors that this process may use."""
     if hasattr(os, "sched_getaffinity"):
@@ -445,21 +449,9 @@ class Simulation:
         arguments.whole("most", most, 1)
         scene = self.world(index)
         name = craters.body_of(scene.config, body, "craters")
-        sample = self.frame(index, ["position", "instance", "crater_id"], threads)
-        seen = sample["instance"] == self.taxonomy.instances[name]
-        terrain, _ = self._mine().terrain_of(scene.config, name)
-        middle = shutter.middle(scene)
-        return craters.in_view(
-            sample["position"],
-            sample["crater_id"],
-            seen,
-            sample.camera,
-            middle,
-            name,
-            terrain,
-            least_px,
-            most,
-        )
+        labelled = [] if scene.config.labels.craters is None else ["crater_id"]
+        sample = self.frame(index, ["position", "instance", *labelled], threads)
+        return self._craters(scene, sample, name, least_px, most)
 
     def rocks(self, index: int, body: str | None = None, threads: int | None = None) -> Array:
         """Rocks that a frame shows, most pixels first: rows of frame.rocks.ROCK_LABEL.
@@ -467,9 +459,58 @@ class Simulation:
         body: default the only one with `terrain.rocks`. docs/labels.md explains the fields."""
         scene = self.world(index)
         name = craters.body_of(scene.config, body, "rocks")
-        sample = self.frame(index, ["rock_id", "instance"], threads)
-        ids = np.where(sample["instance"] == self.taxonomy.instances[name], sample["rock_id"], 0)
-        return rocks.in_view(ids, sample.camera, self._mine().terrain_of(scene.config, name)[0])
+        return self._rocks(scene, self.frame(index, ["rock_id", "instance"], threads), name)
+
+    def ground_tables(self, sample: Sample) -> dict[str, Array]:
+        """The tables of a frame that `craters` and `rocks` give, of all bodies, largest first.
+
+        `craters` if the sample has crater_id, instance and position, `rocks` if it has rock_id and
+        instance. Craters are those of labels.craters.least_px or more."""
+        scene, found = self.world(sample.meta["index"]), {}
+        shown = scene.config.labels.craters
+        least_px = shown.least_px if shown is not None else 1.0  # no sample has crater_id then
+        parts = {
+            "craters": [
+                self._craters(scene, sample, name, least_px, _MOST_IN_TABLES)
+                for name in craters.bodies_with(scene.config, "craters")
+                if {"crater_id", "instance", "position"} <= set(sample)
+            ],
+            "rocks": [
+                self._rocks(scene, sample, name)
+                for name in craters.bodies_with(scene.config, "rocks")
+                if {"rock_id", "instance"} <= set(sample)
+            ],
+        }
+        for table, rows in parts.items():
+            if rows:
+                found[table] = np.concatenate(rows)
+        return found
+
+    def _craters(
+        self, scene: World, sample: Sample, name: str, least_px: float, most: int
+    ) -> Array:
+        number = self.taxonomy.instances[name]
+        terrain, _ = self._mine().terrain_of(scene.config, name)
+        rows = craters.in_view(
+            sample["position"],
+            sample["crater_id"] if "crater_id" in sample else np.zeros_like(sample["instance"]),
+            sample["instance"] == number,
+            sample.camera,
+            shutter.middle(scene),
+            name,
+            terrain,
+            least_px,
+            most,
+        )
+        rows["instance_id"] = number
+        return rows
+
+    def _rocks(self, scene: World, sample: Sample, name: str) -> Array:
+        number = self.taxonomy.instances[name]
+        ids = np.where(sample["instance"] == number, sample["rock_id"], 0)
+        rows = rocks.in_view(ids, sample.camera, self._mine().terrain_of(scene.config, name)[0])
+        rows["instance_id"] = number
+        return rows
 
     def _meta(
         self, scene: World, posed: Mapping[str, articulation.Posed], result: _core.FrameResult

@@ -13,6 +13,7 @@ CONFIGS = Path(__file__).resolve().parents[2] / "configs"
 SMALL = {"camera.width": 32, "camera.height": 24, "render.samples": 1, "render.max_bounces": 0}
 SCENES = [
     "lunar_rover",
+    "paper2_segmentation",
     "mars_descent",
     *(
         pytest.param(name, marks=pytest.mark.needs_data)

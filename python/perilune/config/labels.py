@@ -79,8 +79,8 @@ class Labels(Strict):
 
     ground: GroundLabels = GroundLabels.of_defaults()
     """Baselines of slope and roughness."""
-    craters: CraterLabels = CraterLabels.of_defaults()
-    """Which craters of the ground are labelled."""
+    craters: CraterLabels | None = CraterLabels.of_defaults()
+    """Which craters of the ground are labelled. null: none, they are terrain."""
 
     @model_validator(mode="after")
     def _unique(self) -> Labels:

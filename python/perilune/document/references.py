@@ -40,6 +40,8 @@ def check_channels(channels: Iterable[str], config: Config, where: str) -> None:
     for name in channels:
         if name not in known:
             raise ConfigError(f"{where}: no channel '{name}'{nearest(name, known)}")
+        if name == "crater_id" and config.labels.craters is None:
+            raise ConfigError(f"{where}: '{name}': labels.craters is null")
         for camera_name, camera in config.cameras.items():
             key = "camera" if camera_name is None else f"sensors.{camera_name}"
             if name in OF_SENSOR and camera.sensor is None:

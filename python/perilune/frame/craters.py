@@ -20,6 +20,7 @@ Array = NDArray[np.void]
 CRATER_LABEL = np.dtype(
     [
         ("id", "i8"),
+        ("instance_id", "i4"),
         *((name, *rest) for name, *rest in _core.CRATER if name != "id"),
         ("lon_deg", "f8"),
         ("lat_deg", "f8"),
@@ -46,13 +47,18 @@ _HIDDEN = 0.05  # of a diameter: what is no farther behind the picture's surface
 _WIDEST = 1.6  # the largest semi-axis over half the diameter, of an ellipticity of 0.6
 
 
-def body_of(config: Config, body: str | None, what: str) -> str:
-    """The body whose craters or rocks (`what`) are asked for; None: the only one that has any."""
-    having = [
+def bodies_with(config: Config, what: str) -> list[str]:
+    """Bodies with craters or rocks (`what`)."""
+    return [
         name
         for name, entry in config.bodies.items()
         if entry.terrain is not None and getattr(entry.terrain, what) is not None
     ]
+
+
+def body_of(config: Config, body: str | None, what: str) -> str:
+    """The body whose craters or rocks (`what`) are asked for; None: the only one that has any."""
+    having = bodies_with(config, what)
     if body is None and len(having) == 1:
         return having[0]
     if body in having:

@@ -17,7 +17,7 @@ from perilune import _core, orbits
 from perilune.bodies import atmospheres, ground, maps, photometry, rings, shapes
 from perilune.config.body import Body
 from perilune.config.errors import ConfigError, origin
-from perilune.config.labels import GROUND
+from perilune.config.labels import GROUND, CraterLabels
 from perilune.config.photometry import Photometry
 from perilune.config.rings import Rings
 from perilune.config.schema import Config, Spacecraft, Symmetries
@@ -180,6 +180,8 @@ class Assets:
         self.ring_systems: dict[Rings, _core.Rings] = {}
         self.stages: dict[tuple[Any, ...], _Stage] = {}
 
+
+_NONE_SO_LARGE_PX = 1e30
 
 _NOT_BUILT = ("version", "name", "description", "seed", "time.", "render.channels", "drivers")
 """Fixed keys that do not affect scenes."""
@@ -520,7 +522,6 @@ class Handles:
     ) -> None:
         """part_ids, part_classes: those of each entry's parts."""
         labels, meshes = self.taxonomy, self.shapes_of(config)
-        shown = self.document.config.labels.craters
         for name, body in config.bodies.items():
             scene.add_body(
                 name=name,
@@ -543,7 +544,7 @@ class Handles:
                 part_id=part_ids[name][0],
                 class_ids=_class_ids(labels, name, body, part_classes[name])[0],
                 ground_class_ids=_ground_class_ids(labels, name, body, part_classes[name]),
-                crater_criteria=(shown.least_px, shown.least_depth, shown.least_kept),
+                crater_criteria=_crater_criteria(self.document.config.labels.craters),
             )
 
     def _add_crafts(
@@ -578,6 +579,12 @@ def _class_ids(
     known = {**entry.classes, "kind": kind, "object": object_class(name, entry)}
     known[GROUND] = ground_class(entry)
     return labels.class_ids(*({**known, "part": part} for part in parts))
+
+
+def _crater_criteria(given: CraterLabels | None) -> tuple[float, float, float]:
+    if given is None:
+        return _NONE_SO_LARGE_PX, 0.0, 0.0
+    return given.least_px, given.least_depth, given.least_kept
 
 
 def _ground_class_ids(

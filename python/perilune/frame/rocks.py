@@ -13,6 +13,7 @@ Array = NDArray[np.void]
 ROCK_LABEL = np.dtype(
     [
         ("id", "i8"),
+        ("instance_id", "i4"),
         ("family", "U8"),
         *((name, *rest) for name, *rest in _core.ROCK if name not in ("id", "family", "center")),
         ("lon_deg", "f8"),

@@ -33,6 +33,9 @@ def _array_fault(path: Path, channel: Channel, size: tuple[int, int]) -> str | N
         array = np.lib.format.read_array(io.BytesIO(path.read_bytes()), allow_pickle=False)
     except ValueError as error:
         return f"is no NPY file: {error}"
+    if channel.dtype == "table":
+        good = array.ndim == 1 and array.dtype.names is not None
+        return None if good else "is no table: must be one array with named fields"
     if array.dtype != np.dtype(channel.dtype):
         return f"holds {array.dtype}, must be {channel.dtype}"
     shape = (size[1], size[0]) if channel.components == 0 else (size[1], size[0], -1)

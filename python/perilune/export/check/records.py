@@ -224,7 +224,7 @@ class Channel(_Exact):
     """An entry of `channels` of dataset_info.json: files in addition to BOP's."""
 
     components: Count | None
-    dtype: Literal["uint8", "uint16", "int32", "int64", "float32", "float64"]
+    dtype: Literal["uint8", "uint16", "int32", "int64", "float32", "float64", "table"]
     file: Literal["png", "npy"]
 
 

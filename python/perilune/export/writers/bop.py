@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from perilune import _core
 from perilune.export.writers.bop_begin import as_range, changed_keys, check_folder, check_simulation
 from perilune.export.writers.bop_card import SOURCE_FILE
-from perilune.export.writers.bop_channels import ChannelFiles, channel_files, pictures
+from perilune.export.writers.bop_channels import TABLES, ChannelFiles, channel_files, pictures
 from perilune.export.writers.bop_config import CONFIG_FILE, config_entry, config_text
 from perilune.export.writers.bop_files import (
     MM_PER_M,
@@ -148,11 +148,12 @@ def write_image(
     origins_m: Mapping[int, F64],
     pictures: Mapping[str, str],
     channels: Mapping[str, ChannelFiles],
+    tables: Mapping[str, NDArray[Any]],
 ) -> Record:
     """Writes the files of one frame into its scene folder, its record last.
 
     names: spacecraft in the order of the sample's objects. pictures: folder -> channel. channels:
-    channels written in addition to BOP's."""
+    channels written in addition to BOP's. tables: those among them that are tables."""
     depth_m, instance = sample["depth"], sample["instance"]
     annotated = np.isin(instance, sample.objects["instance_id"])
     # Where no object is seen, depth is that of all that is.
@@ -162,7 +163,8 @@ def write_image(
     for name, channel in pictures.items():
         _core.png_write(str(folder.picture(im_id, name)), sample[channel], PNG_LEVEL)
     for name, files in channels.items():
-        files.write(folder.channel(im_id, name), sample[name])
+        values = tables[name] if name in tables else sample[name]
+        files.write(folder.channel(im_id, name), values)
     _core.png_write(str(folder.depth(im_id)), depth, PNG_LEVEL)
     record = Record(camera_record(sample, scale_mm), [], [], [])
     moving = sample.meta["articulation"]
@@ -216,12 +218,30 @@ class Job:
     @property
     def channels(self) -> list[str]:
         """Channels rendered for a frame."""
-        return list(dict.fromkeys((*self.pictures.values(), *LABELS, *self.beside)))
+        plain = [name for name in self.beside if name not in TABLES]
+        of_tables = [name for table in TABLES if table in self.beside for name in TABLES[table]]
+        return list(dict.fromkeys((*self.pictures.values(), *LABELS, *plain, *of_tables)))
 
-    def write_image(self, folder: SceneFolder, im_id: int, sample: Sample) -> Record:
-        """Writes the files of one frame into its scene folder, its record last."""
+    def tables(self, sample: Sample) -> dict[str, NDArray[Any]]:
+        """The tables that are written with a frame."""
+        asked = [table for table in TABLES if table in self.beside]
+        found = self.sim.ground_tables(sample) if asked else {}
+        return {table: found[table] for table in asked}
+
+    def write_image(
+        self,
+        folder: SceneFolder,
+        im_id: int,
+        sample: Sample,
+        tables: Mapping[str, NDArray[Any]] | None = None,
+    ) -> Record:
+        """Writes the files of one frame into its scene folder, its record last. tables: those of
+        `self.tables`, if known."""
         names = list(self.sim.config.spacecraft)
-        return write_image(folder, im_id, sample, names, self.origins_m, self.pictures, self.beside)
+        known = self.tables(sample) if tables is None else tables
+        return write_image(
+            folder, im_id, sample, names, self.origins_m, self.pictures, self.beside, known
+        )
 
     def find(self, images_of: Mapping[int, Mapping[int, int]], chunk_size: int) -> None:
         """Finds the images (scene id -> image id -> frame index) that exist and are intact.
@@ -255,9 +275,14 @@ class Job:
         with WriteQueue() as queue:
             for im_id, index in images.items():
                 sample = self.sim.frame(index, channels=self.channels, threads=self.threads)
+                tables = self.tables(sample)  # here: simulations are not for several threads
 
-                def task(im_id: int = im_id, sample: Sample = sample) -> None:
-                    records[im_id] = self.write_image(folder, im_id, sample)
+                def task(
+                    im_id: int = im_id,
+                    sample: Sample = sample,
+                    tables: Mapping[str, NDArray[Any]] = tables,
+                ) -> None:
+                    records[im_id] = self.write_image(folder, im_id, sample, tables)
 
                 self.advance(written=queue.put(task))
             self.advance(written=queue.drain())

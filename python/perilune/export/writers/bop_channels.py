@@ -1,5 +1,6 @@
 """Channels in addition to BOP's: a folder each in every scene, with names of the ids.
 
+A channel of ids of craters or rocks has their table beside it: NPY, an array with named fields.
 Integers with up to three layers are PNG with the ids as values: 8 bit if all fit, else 16 bit. Two
 or three layers are red, green and blue, 8 bit; blue is 0 for two. All others are NPY with the array
 of the sample."""
@@ -19,6 +20,7 @@ from perilune import _core
 from perilune.camera import bands
 from perilune.document.references import MASKS, OBJECTS, OF_SENSOR
 from perilune.export.writers.bop_files import PNG_LEVEL, RGB_FOLDER, write_bytes
+from perilune.frame.craters import bodies_with
 from perilune.frame.request import channel_layout
 from perilune.simulation import Simulation
 
@@ -28,6 +30,8 @@ PNG, NPY = "png", "npy"
 _LARGEST_8, _LARGEST_16 = 255, 65535
 _OF_BOP = {"rgb", "depth", OBJECTS, MASKS}
 """Channels that a BOP dataset always has."""
+TABLES = {"craters": ("crater_id", "position"), "rocks": ("rock_id",)}
+"""Table of an image -> the channel that it is written with, and others that it takes."""
 _NAMED = ("semantic", "part", "instance")
 """Channels of ids that the taxonomy names. Those of rocks are too large for PNG."""
 
@@ -39,7 +43,7 @@ class ChannelFiles:
     suffix: str
     """png or npy."""
     dtype: str
-    """NumPy name of the type of the values in the file."""
+    """NumPy name of the type of the values in the file; "table": an array with named fields."""
     components: int | None
     """Values per pixel; 0: a plain image; None: differs between sensors."""
 
@@ -91,9 +95,13 @@ def channel_files(sim: Simulation) -> dict[str, ChannelFiles]:
         return {}
     held = _OF_BOP | set(pictures(sim).values())
     names = [row["name"] for row in _core.CHANNELS]
-    return {
+    found = {
         name: _files_of(sim, name) for name in names if name in render.channels and name not in held
     }
+    for table, (channel, *_) in TABLES.items():
+        if channel in found and bodies_with(sim.config, table):
+            found[table] = ChannelFiles(NPY, "table", 0)
+    return found
 
 
 def label_names(sim: Simulation, channels: Iterable[str]) -> dict[str, Any]:
