@@ -101,13 +101,20 @@ pl_status pl_crater_visit(const pl_crater_field *field, const pl_crater_query *q
   return PL_OK;
 }
 
+double pl_crater_oldest_drawn_ga(const pl_crater_frame *frame, double diameter_m) {
+  const double oldest = pl_crater_oldest_ga(&frame->law, diameter_m);
+  const double tau =
+      pl_crater_tau(diameter_m, oldest, frame->diffusivity_m2_per_myr, frame->diffusivity_exponent);
+  return tau > PL_CRATER_TAU_COUNTED ? oldest * (PL_CRATER_TAU_COUNTED / tau) : oldest;
+}
+
 void pl_crater_draw_age(const pl_crater_field *field, const pl_scatter_site *site,
                         pl_crater_draw *draw) {
   uint64_t words[4];
   pl_scatter_words(&field->scatter, site->id, FOR_AGE, words);
   const pl_crater_frame *frame = &field->frame;
   /* The rate of impacts was higher long ago: ages are uniform in the number of impacts. */
-  const double most = pl_crater_chronology(pl_crater_oldest_ga(&frame->law, site->diameter_m));
+  const double most = pl_crater_chronology(pl_crater_oldest_drawn_ga(frame, site->diameter_m));
   draw->age_ga = pl_crater_chronology_age_ga(pl_philox_double(words[0]) * most);
   draw->tau = pl_crater_tau(site->diameter_m, draw->age_ga, frame->diffusivity_m2_per_myr,
                             frame->diffusivity_exponent);

@@ -32,6 +32,10 @@ pl_crater_dimensions pl_crater_fresh(double diameter_m);
 /* Time of diffusion over R^2/diffusivity. Diffusivity (m^2 per Myr) grows as D^exponent from its
  * value at 1 km: Fassett and Thomson (2014, 2015) have 5.5 and 0.9. */
 double pl_crater_tau(double diameter_m, double age_ga, double diffusivity_1km, double exponent);
+/* Greatest tau of what laws count as craters. Ages that are uniform up to it have the classes of
+ * degradation of Basilevsky (1976), as in NASA SLS-SPEC-159: half are shallower than a third of
+ * a fresh crater, a fifth deeper than two thirds. */
+#define PL_CRATER_TAU_COUNTED 0.24
 
 /* Height over D at x of the fresh simple crater of Fassett and Thomson (2014): the profile whose
  * diffusion they published. */

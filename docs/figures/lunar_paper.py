@@ -1,21 +1,23 @@
 """Counterparts of figures of the lunar simulator's paper: `python docs/figures/make_figures.py
-lunar_02 lunar_03 lunar_photograph`. Needs the sample data.
+lunar_02 lunar_03 lunar_04 lunar_photograph`. Needs the sample data.
 
 Figure 2: ground under rising phase angles. Figure 3: from an orbiter at 200 km, from a lander at
-500 m and from a rover. `lunar_photograph`: highlands as the metric camera of Apollo 15 saw some,
+500 m and from a rover. Figure 4: all labels. `lunar_photograph`: highlands as the metric camera of Apollo 15 saw some,
 with histograms and spectra of both; other highlands, so statistics are compared, not places.
 """
 
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matplotlib import colormaps
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
-from PIL import Image
+from PIL import Image, ImageDraw
 
 import perilune
 
@@ -105,3 +107,84 @@ def photograph() -> Figure:
     spectrum.set(xlabel="wavelength, pixels", ylabel="power")
     spread.legend(fontsize=8)
     return figure
+
+
+def _scaled(values: F64, low: float, high: float) -> U8:
+    """By a colour map; black where there is no ground."""
+    shade = np.clip((values - low) / (high - low), 0.0, 1.0)
+    image = np.asarray(colormaps["viridis"](np.nan_to_num(shade))[..., :3] * 255.0).astype(np.uint8)
+    image[~np.isfinite(values)] = 0
+    return image
+
+
+def _instances(ids: NDArray[np.int64]) -> U8:
+    """Each rock in a colour of its own."""
+    known, index = np.unique(ids, return_inverse=True)
+    colors = np.random.default_rng(3).integers(60, 256, (len(known), 3)).astype(np.uint8)
+    colors[known == 0] = 40
+    return np.asarray(colors[index.reshape(ids.shape)])
+
+
+def _drawn(image: U8, draw: Callable[[ImageDraw.ImageDraw], None]) -> U8:
+    picture = Image.fromarray(image)
+    draw(ImageDraw.Draw(picture))
+    return np.asarray(picture)
+
+
+def _boxes(image: U8, rows: Any) -> U8:
+    def draw(on: ImageDraw.ImageDraw) -> None:
+        for x, y, width, height in rows["bbox_visib"]:
+            on.rectangle((x, y, x + width, y + height), outline=(90, 255, 120))
+
+    return _drawn(image, draw)
+
+
+def _rims(image: U8, rows: Any) -> U8:
+    """Ellipses of rims, those that are seen."""
+    turn = np.linspace(0.0, 2.0 * np.pi, 73)
+
+    def draw(on: ImageDraw.ImageDraw) -> None:
+        for row in rows[rows["visib_fract"] > 0.3]:
+            (a, b), angle = row["semi_axes"], row["angle_rad"]
+            x, y = a * np.cos(turn), b * np.sin(turn)
+            u = row["center"][0] + np.cos(angle) * x - np.sin(angle) * y
+            v = row["center"][1] + np.sin(angle) * x + np.cos(angle) * y
+            if np.isfinite(u).all():
+                on.line([*zip(u.tolist(), v.tolist(), strict=True)], fill=(255, 150, 40))
+
+    return _drawn(image, draw)
+
+
+def _craters(name: str, changes: dict[str, Any], least_px: float) -> U8:
+    sim = perilune.open(CONFIGS / f"{name}.yaml", overrides=changes)
+    return _rims(np.asarray(sim.frame(0, ["rgb"])["rgb"]), sim.craters(0, least_px=least_px))
+
+
+def figure_04() -> list[list[tuple[str, U8]]]:
+    """All labels of a rover's picture, and craters from a lander and an orbiter."""
+    size = {"camera.width": 320, "camera.height": 240, "render.samples": 16}
+    rover = size | {"sun.at.elevation_deg": 20.0, "sensors": {}}
+    sim = perilune.open(CONFIGS / "lunar_rover.yaml", overrides=rover)
+    wanted = ["rgb", "rock_id", "depth", "elevation", "slope_sobel", "roughness_laplacian"]
+    frame = sim.frame(0, wanted)
+    rgb, ids, depth = frame["rgb"], frame["rock_id"], frame["depth"].astype(float)
+    elevation = frame["elevation"].astype(float)
+    near = elevation[depth < 40.0]
+    rocks = sim.rocks(0)
+    orbiter = size | {"sun.at.elevation_deg": 40.0}
+    return [
+        [
+            ("image", rgb),
+            ("instances of rocks", _instances(ids)),
+            ("boxes", _boxes(rgb, rocks[rocks["px_count_visib"] > 20])),
+            ("craters from an orbiter", _craters("lunar_orbiter", orbiter, 10.0)),
+            ("craters from a lander", _craters("lunar_lander", size, 8.0)),
+        ],
+        [
+            ("depth", _scaled(-np.log(depth), -np.log(100.0), -np.log(2.0))),
+            ("elevation", _scaled(elevation, float(near.min()), float(near.max()))),
+            ("slope", _scaled(np.degrees(frame["slope_sobel"]), 0.0, 40.0)),
+            ("roughness", _scaled(frame["roughness_laplacian"], 0.0, 0.3)),
+            ("normals", np.asarray(sim.frame(0, ["normal"])["normal"] * 127.0 + 128.0, np.uint8)),
+        ],
+    ]

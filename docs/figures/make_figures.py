@@ -195,6 +195,11 @@ def lunar_03() -> None:
     pictures("lunar_03.png", [lunar_paper.figure_03()], 9.6)
 
 
+def lunar_04() -> None:
+    """All labels of a rover's picture, and craters from a lander and an orbiter."""
+    pictures("lunar_04.png", lunar_paper.figure_04(), 11.0)
+
+
 def lunar_photograph() -> None:
     """Histograms and spectra beside those of a photograph."""
     save(lunar_paper.photograph(), "lunar_photograph.png")
@@ -316,6 +321,7 @@ FIGURES = {
     "ground": ground,
     "lunar_02": lunar_02,
     "lunar_03": lunar_03,
+    "lunar_04": lunar_04,
     "lunar_photograph": lunar_photograph,
     "materials": materials,
     "moon": figure_moon,

@@ -63,9 +63,10 @@ static void test_counts(void **state) {
     const double most = pl_crater_density(&frame.law, frame.min_m);
     const double least = pl_crater_density(&frame.law, frame.max_m);
     bins[(int)fmin((most - n) / (most - least) * BINS, BINS - 1)] += 1.0;
-    const double oldest = pl_crater_oldest_ga(&frame.law, craters[k].diameter_m);
+    const double oldest = pl_crater_oldest_drawn_ga(&frame, craters[k].diameter_m);
     const double part = pl_crater_chronology(craters[k].age_ga) / pl_crater_chronology(oldest);
     assert_true(part >= 0.0 && part < 1.0 + 1e-9);
+    assert_true(craters[k].tau < PL_CRATER_TAU_COUNTED + 1e-9);
     ages[(int)fmin(part * BINS, BINS - 1)] += 1.0;
   }
   const double expected =
