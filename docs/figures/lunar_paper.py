@@ -2,8 +2,9 @@
 lunar_02 lunar_03 lunar_04 lunar_photograph`. Needs the sample data.
 
 Figure 2: ground under rising phase angles. Figure 3: from an orbiter at 200 km, from a lander at
-500 m and from a rover. Figure 4: all labels. `lunar_photograph`: highlands as the metric camera of Apollo 15 saw some,
-with histograms and spectra of both; other highlands, so statistics are compared, not places.
+500 m and from a rover. Figure 4: all labels. `lunar_photograph`: highlands as the metric camera of
+Apollo 15 saw some, with histograms and spectra of both; other highlands, so statistics are
+compared, not places.
 """
 
 from __future__ import annotations
@@ -169,7 +170,7 @@ def figure_04() -> list[list[tuple[str, U8]]]:
     frame = sim.frame(0, wanted)
     rgb, ids, depth = frame["rgb"], frame["rock_id"], frame["depth"].astype(float)
     elevation = frame["elevation"].astype(float)
-    near = elevation[depth < 40.0]
+    low, high = np.nanpercentile(elevation, [2.0, 98.0])
     rocks = sim.rocks(0)
     orbiter = size | {"sun.at.elevation_deg": 40.0}
     return [
@@ -182,7 +183,7 @@ def figure_04() -> list[list[tuple[str, U8]]]:
         ],
         [
             ("depth", _scaled(-np.log(depth), -np.log(100.0), -np.log(2.0))),
-            ("elevation", _scaled(elevation, float(near.min()), float(near.max()))),
+            ("elevation", _scaled(elevation, float(low), float(high))),
             ("slope", _scaled(np.degrees(frame["slope_sobel"]), 0.0, 40.0)),
             ("roughness", _scaled(frame["roughness_laplacian"], 0.0, 0.3)),
             ("normals", np.asarray(sim.frame(0, ["normal"])["normal"] * 127.0 + 128.0, np.uint8)),
