@@ -28,6 +28,7 @@
   X(terrain) \
   X(far_casters) \
   X(sub_cell_normals) \
+  X(crater_rays) \
   X(bump_detail) \
   X(relief) \
   X(glint) \

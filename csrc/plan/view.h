@@ -48,6 +48,7 @@ typedef struct pl_view_thing {
   bool pictured; /* mesh or graph with textures of more than one colour */
   bool bumped;   /* has a normal map or bump map */
   bool diffuse; /* purely Lambertian: radiance is proportional to its colour times the irradiance */
+  bool rays;    /* terrain with bright rays of craters */
   bool relief;  /* body whose normals are perturbed by a relief map */
   bool ocean;   /* body with open water */
   bool terrain; /* body whose surface is a height field */

@@ -55,7 +55,10 @@ static int frame_of(PyObject *settings, pl_crater_frame *frame, double **table) 
                  {"diffusivity_exponent", &frame->diffusivity_exponent},
                  {"ellipticity", &frame->ellipticity},
                  {"irregularity", &frame->irregularity},
-                 {"model_posts", &frame->model_posts}};
+                 {"model_posts", &frame->model_posts},
+                 {"ray_brightness", &frame->rays.brightness},
+                 {"ray_fade_ga", &frame->rays.fade_ga},
+                 {"ray_reach", &frame->rays.reach}};
   for (size_t k = 0; k < sizeof numbers / sizeof numbers[0]; k++)
     if (pl_py_optional_double(settings, numbers[k].key, "craters", numbers[k].to) < 0)
       return -1;

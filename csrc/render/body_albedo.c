@@ -4,6 +4,8 @@
 
 #include <string.h>
 
+#include "terrain/height_field.h"
+
 /* Stack of rasters at a vertex, or its mean. */
 static pl_raster_mix stack_at(const pl_raster_stack *stack, const pl_shot_body *body,
                               const pl_beam *beam, bool maps, const pl_vertex *vertex) {
@@ -37,18 +39,33 @@ void pl_body_albedo_mean(const pl_shot_body *body, float out[4]) {
     lay(pl_terrain_albedo(body->body->terrain)->mean, out);
 }
 
-void pl_body_albedo_finish(const pl_shot_body *body, const pl_beam *beam, bool maps,
-                           const pl_vertex *vertex, float map[4]) {
-  const pl_terrain *terrain = body->body->terrain;
-  const float excess = body->state->contrast;
-  if (terrain != NULL && pl_terrain_albedo(terrain)->count > 0)
-    lay(stack_at(pl_terrain_albedo(terrain), body, beam, maps, vertex), map);
-  if (excess == 0.0f || !maps)
-    return;
+static void stretch(const pl_shot_body *body, float map[4]) {
   float mean[4];
   pl_body_albedo_mean(body, mean);
   for (int k = 0; k < 3; k++)
-    map[k] = pl_maxf(map[k] + excess * (map[k] - mean[k]), 0.0f);
+    map[k] = pl_maxf(map[k] + body->state->contrast * (map[k] - mean[k]), 0.0f);
+}
+
+/* Rocks have none: they are no ejecta of the craters about them. */
+static void add_rays(const pl_shot_body *body, const pl_vertex *vertex, float map[4]) {
+  const float excess =
+      pl_height_field_rays(body->field, vertex->triangle, vertex->w[1], vertex->w[2]);
+  const float factor =
+      pl_maxf(1.0f + (float)pl_terrain_ray_brightness(body->body->terrain) * excess, 0.0f);
+  for (int k = 0; k < 3; k++)
+    map[k] *= factor;
+}
+
+void pl_body_albedo_finish(const pl_shot_body *body, const pl_beam *beam, pl_detail detail,
+                           const pl_vertex *vertex, float map[4]) {
+  const pl_terrain *terrain = body->body->terrain;
+  if (terrain != NULL && pl_terrain_albedo(terrain)->count > 0)
+    lay(stack_at(pl_terrain_albedo(terrain), body, beam, detail.maps, vertex), map);
+  if (body->state->contrast != 0.0f && detail.maps)
+    stretch(body, map);
+  if (detail.rays && body->field != NULL &&
+      pl_surface_kind_of(vertex->surface_id) == PL_SURFACE_HEIGHT_FIELD)
+    add_rays(body, vertex, map);
 }
 
 pl_raster_mix pl_body_roughness(const pl_shot_body *body, const pl_beam *beam, bool maps,

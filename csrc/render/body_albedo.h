@@ -9,8 +9,8 @@
 void pl_body_albedo_mean(const pl_shot_body *body, float out[4]);
 
 /* Lays rasters of the terrain over `map`, the value of the other maps at a vertex, and applies the
- * contrast. Without `maps` they are replaced by their means. */
-void pl_body_albedo_finish(const pl_shot_body *body, const pl_beam *beam, bool maps,
+ * contrast and the rays of craters. */
+void pl_body_albedo_finish(const pl_shot_body *body, const pl_beam *beam, pl_detail detail,
                            const pl_vertex *vertex, float map[4]);
 
 /* Returns the terrain's rasters of roughness (rad) at a vertex, which lie over that of the body. */

@@ -73,7 +73,7 @@ static void own_surface(const pl_shot_body *body, const pl_beam *beam, const pl_
   surface->reflectance = body->body->reflectance;
   if (surface->reflectance->photometric)
     pl_regolith_shade(body, beam, detail.maps, vertex, map);
-  pl_body_albedo_finish(body, beam, detail.maps, vertex, map);
+  pl_body_albedo_finish(body, beam, detail, vertex, map);
   surface->color = pl_vec3f_make(pl_minf(map[0] * state->albedo[0], 1.0f),
                                  pl_minf(map[1] * state->albedo[1], 1.0f),
                                  pl_minf(map[2] * state->albedo[2], 1.0f));

@@ -110,7 +110,9 @@ static float map_max(const pl_body *body, const pl_body_state *state, int band) 
   float most = mapped ? body->brightest[band].w : 1.0f;
   if (body->terrain != NULL)
     most = fmaxf(most, (float)pl_terrain_albedo(body->terrain)->high);
-  return most * (1.0f + fmaxf(state->contrast, 0.0f));
+  most *= 1.0f + fmaxf(state->contrast, 0.0f);
+  return body->terrain != NULL ? most * (float)(1.0 + pl_terrain_ray_brightness(body->terrain))
+                               : most;
 }
 
 static bool has_rasters(const pl_body *body) {
@@ -257,6 +259,7 @@ static pl_view_thing terrain_thing(const pl_snapshot *shot, const pl_shot_body *
   pl_view_thing thing = body_thing(shot, body);
   thing.is_body = false;
   thing.terrain = true;
+  thing.rays = body->body->graph == NULL && pl_terrain_ray_brightness(body->body->terrain) > 0.0;
   thing.radius_m = body->outer_m;
   thing.irradiance = pl_shot_irradiance_max(shot, body->center, body->outer_m);
   thing.pictured = thing.pictured || thing.map_ranges != NULL;

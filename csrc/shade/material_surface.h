@@ -16,6 +16,7 @@ typedef struct pl_detail {
   bool sub_cell;    /* of terrain; false: slopes finer than the cells of its mesh are left out */
   bool glint;       /* of open water; false: it is shaded like ground */
   bool lights;      /* of bodies at night; false: dark */
+  bool rays;        /* of craters on terrain; false: ground without them */
   pl_filter filter; /* of textures */
   bool box;         /* the body's colours are read only once per pixel: see pl_texture_box */
 } pl_detail;
@@ -26,6 +27,7 @@ typedef struct pl_detail {
                .sub_cell = true,                                                                   \
                .glint = true,                                                                      \
                .lights = true,                                                                     \
+               .rays = true,                                                                       \
                .filter = PL_FILTER_FINEST})
 
 /* A point of a triangle, in the axes of the view. */

@@ -108,6 +108,12 @@ double pl_crater_oldest_drawn_ga(const pl_crater_frame *frame, double diameter_m
   return tau > PL_CRATER_TAU_COUNTED ? oldest * (PL_CRATER_TAU_COUNTED / tau) : oldest;
 }
 
+double pl_crater_draw_rank(const pl_crater_field *field, const pl_scatter_site *site) {
+  uint64_t words[4];
+  pl_scatter_words(&field->scatter, site->id, FOR_AGE, words);
+  return pl_philox_double(words[0]);
+}
+
 void pl_crater_draw_age(const pl_crater_field *field, const pl_scatter_site *site,
                         pl_crater_draw *draw) {
   uint64_t words[4];

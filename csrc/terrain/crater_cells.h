@@ -16,6 +16,7 @@ struct pl_crater_field {
   double stretch;                  /* bound of a rim's radius over R */
   pl_vec3 faces[PL_CUBE_FACES][3]; /* outward, s, t */
   pl_scatter scatter;
+  struct pl_crater_brightness *brightness; /* owned; NULL without rays */
 };
 
 /* Bound of a rim's radius over R, by the ellipse and the harmonics of a frame. */
@@ -47,6 +48,8 @@ typedef struct pl_crater_draw {
   /* cosine and sine amplitudes by order */
   double radius[PL_CRATER_RADIUS_ORDERS][2], height[PL_CRATER_HEIGHT_ORDERS][2];
 } pl_crater_draw;
+/* Rank of its age among the craters of its size, from 0 (the youngest) to 1. */
+double pl_crater_draw_rank(const pl_crater_field *field, const pl_scatter_site *site);
 void pl_crater_draw_age(const pl_crater_field *field, const pl_scatter_site *site,
                         pl_crater_draw *draw); /* age_ga and tau */
 void pl_crater_draw_shape(const pl_crater_field *field, const pl_scatter_site *site,

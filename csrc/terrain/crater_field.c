@@ -2,9 +2,14 @@
 
 #include "base/memory.h"
 #include "terrain/crater_cells.h"
+#include "terrain/crater_rays.h"
 
 #define ELLIPTICITY_MOST 0.6
 #define IRREGULARITY_MOST 3.0
+#define RAYS_BRIGHTEST 4.0
+#define RAYS_OLDEST_GA 4.5
+#define RAYS_SHORTEST 3.0
+#define RAYS_LONGEST 20.0
 #define GEOMETRIC_SATURATION 1.54
 #define KEY_CRATERS UINT64_C(0x6372617465727321)
 
@@ -17,7 +22,8 @@ pl_crater_frame pl_crater_frame_default(double radius_m) {
       .diffusivity_m2_per_myr = 5.5,
       .diffusivity_exponent = 0.9,
       .irregularity = 1.0,
-      .model_posts = 6.0};
+      .model_posts = 6.0,
+      .rays = {.brightness = 0.0, .fade_ga = 1.0, .reach = 8.0}};
 }
 
 static pl_status check_frame(const pl_crater_frame *frame) {
@@ -36,6 +42,15 @@ static pl_status check_frame(const pl_crater_frame *frame) {
                    frame->irregularity, IRREGULARITY_MOST);
   if (!(frame->model_posts > 0.0 && isfinite(frame->model_posts)))
     return pl_fail(PL_E_RANGE, "model_posts = %g of craters; must be above 0", frame->model_posts);
+  const pl_crater_rays *rays = &frame->rays;
+  if (rays->brightness != 0.0 && !(rays->brightness >= 0.0 && rays->brightness <= RAYS_BRIGHTEST &&
+                                   rays->fade_ga > 0.0 && rays->fade_ga <= RAYS_OLDEST_GA &&
+                                   rays->reach >= RAYS_SHORTEST && rays->reach <= RAYS_LONGEST))
+    return pl_fail(PL_E_RANGE,
+                   "rays of craters with brightness %g, fade_ga %g and reach %g; must be from 0 to "
+                   "%g, above 0 and at most %g, and from %g to %g",
+                   rays->brightness, rays->fade_ga, rays->reach, RAYS_BRIGHTEST, RAYS_OLDEST_GA,
+                   RAYS_SHORTEST, RAYS_LONGEST);
   return pl_crater_law_check(&frame->law, frame->min_m, frame->max_m);
 }
 
@@ -79,8 +94,9 @@ static pl_status fill(pl_crater_field *field, const pl_crater_frame *frame) {
   make_faces(field);
   field->stretch = pl_crater_stretch(frame);
   PL_TRY(check_densities(frame));
-  return pl_scatter_init(frame->radius_m, frame->seed, KEY_CRATERS, pl_crater_density,
-                         &field->frame.law, frame->min_m, frame->max_m, &field->scatter);
+  PL_TRY(pl_scatter_init(frame->radius_m, frame->seed, KEY_CRATERS, pl_crater_density,
+                         &field->frame.law, frame->min_m, frame->max_m, &field->scatter));
+  return pl_crater_brightness_create(field, &field->brightness);
 }
 
 pl_status pl_crater_field_create(const pl_crater_frame *frame, pl_crater_field **out) {
@@ -101,6 +117,7 @@ void pl_crater_field_destroy(pl_crater_field *field) {
   if (field == NULL)
     return;
   pl_free(field->table);
+  pl_crater_brightness_destroy(field->brightness);
   pl_scatter_clear(&field->scatter);
   pl_crater_shapes_destroy(field->shapes);
   pl_free(field);

@@ -22,6 +22,13 @@
 /* Most craters that a list may be expected to have. */
 #define PL_CRATER_LIST_MOST 2e6
 
+/* Bright ejecta and rays of fresh craters (terrain/crater_rays.h). */
+typedef struct pl_crater_rays {
+  double brightness; /* of fresh ejecta over old ground, less 1; 0: no rays */
+  double fade_ga;    /* time in which those of craters of 3 km or more fade */
+  double reach;      /* length of the longest, over the crater's radius */
+} pl_crater_rays;
+
 typedef struct pl_crater_frame {
   double radius_m; /* of the body; an oblate body's mean: densities are those of this sphere */
   pl_crater_law law;
@@ -32,11 +39,12 @@ typedef struct pl_crater_frame {
   double ellipticity;  /* greatest 1 - minor/major axis, [0, 0.6]; drawn uniformly from 0 on */
   double irregularity; /* of rims and floors: 1 as real ones, 0 to 3 */
   double model_posts;  /* an elevation model shows craters of so many of its posts or more; > 0 */
+  pl_crater_rays rays;
 } pl_crater_frame;
 
 /* The Moon's craters on a body of this radius: neukum_equilibrium on a surface of 3.5 Ga, from 0.1
  * m (or the least possible) to 300 km (or the greatest possible), diffusivity of Fassett and
- * Thomson, round, irregular as real ones, left to models of 6 posts a diameter. */
+ * Thomson, round, irregular as real ones, left to models of 6 posts a diameter, without rays. */
 pl_crater_frame pl_crater_frame_default(double radius_m);
 
 typedef struct pl_crater_field pl_crater_field;

@@ -233,6 +233,7 @@ pl_status pl_ground_tile_make(const pl_terrain *terrain, pl_ground_tile_id id,
   out->id = id;
   out->cell_m = cell_m;
   out->rocks = NULL;
+  out->rays = NULL;
   work.terrain = terrain;
   work.tile = out;
   work.step_m = ldexp(1.0, ilogb(cell_m) - 17);

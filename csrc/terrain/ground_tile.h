@@ -56,6 +56,7 @@ typedef struct pl_ground_tile {
   double most_m;       /* nothing of the tile is farther from the body's centre */
   float slope_unit;    /* slope that one step of `slopes` stands for */
   struct pl_ground_rocks *rocks; /* its rocks, of whom keeps the tile; NULL for none */
+  struct pl_ground_rays *rays;   /* its rays of craters, likewise; NULL for none */
   /* Posts relative to `origin`, m: rows of ascending t, in each ascending s. The outermost ring is
    * a skirt that closes what rounding opens between tiles: it leads from the edge a fraction of a
    * cell outwards, below the neighbour's surface. */

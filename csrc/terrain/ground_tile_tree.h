@@ -42,6 +42,7 @@ typedef struct pl_ground_tile_view {
   pl_vec3 to_sun;          /* unit, body axes; with far_casters */
   double sun_diameter_rad; /* angular diameter of the sun; with far_casters */
   size_t limit;            /* most tiles */
+  bool rays;               /* tiles need the rays of craters (terrain/ground_tile_rays.h) */
 } pl_ground_tile_view;
 
 /* Writes the tiles, ordered along the tree and allocated in the arena. If they would be more than

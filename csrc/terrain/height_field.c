@@ -75,6 +75,18 @@ pl_vec3 pl_height_field_normal(const pl_height_field *field, uint32_t tile, floa
   return pl_vec3_unit(normal);
 }
 
+float pl_height_field_rays(const pl_height_field *field, uint32_t tile, float u, float v) {
+  const struct pl_ground_rays *rays = field->tiles[tile]->rays;
+  if (rays == NULL)
+    return 0.0f;
+  pl_height_field_cell at = pl_height_field_locate(u, v);
+  const int column = to_edge(at.column, &at.x), row = to_edge(at.row, &at.y);
+  const int16_t *low = &rays->posts[row * POSTS + column], *high = low + POSTS;
+  const double south = low[0] + at.x * (low[1] - low[0]),
+               north = high[0] + at.x * (high[1] - high[0]);
+  return PL_GROUND_RAYS_UNIT * (float)(south + at.y * (north - south));
+}
+
 pl_rock_hit pl_height_field_rock(const pl_height_field *field, uint32_t triangle) {
   size_t low = 0, high = field->count;
   while (high - low > 1) {

@@ -7,6 +7,7 @@
 #define PL_TERRAIN_HEIGHT_FIELD_H
 
 #include "terrain/ground_tile.h"
+#include "terrain/ground_tile_rays.h"
 #include "terrain/ground_tile_rocks.h"
 
 typedef struct pl_height_field {
@@ -56,5 +57,8 @@ pl_vec3 pl_height_field_facet_normal(const pl_height_field *field, uint32_t tile
 /* The normal interpolated between the posts, body axes, unit, outwards: of the whole surface,
  * continuous across cells and tiles. */
 pl_vec3 pl_height_field_normal(const pl_height_field *field, uint32_t tile, float u, float v);
+
+/* Excess of brightness by rays of craters at a hit, between its posts; 0 without rays. */
+float pl_height_field_rays(const pl_height_field *field, uint32_t tile, float u, float v);
 
 #endif

@@ -96,6 +96,13 @@ pl_status pl_terrain_block(const pl_terrain *terrain, const pl_terrain_nodes *no
 pl_status pl_terrain_craters(const pl_terrain *terrain, pl_vec3 direction, double radius_m,
                              double min_m, double max_m, pl_crater **out, size_t *count);
 
+/* Writes the excess of brightness of rays (terrain/crater_rays.h) in unit directions, of what the
+ * lattice of a level resolves; 0 without them. */
+pl_status pl_terrain_rays(const pl_terrain *terrain, const pl_vec3 *directions, size_t count,
+                          int level, float *out);
+/* Returns by how much rays brighten fresh ground, over 1; 0 without rays. */
+double pl_terrain_ray_brightness(const pl_terrain *terrain);
+
 /* Returns the coarsest level with cells of at most `cell_m`, at most PL_CUBE_LEVELS - 1. */
 int pl_terrain_level_of(const pl_terrain *terrain, double cell_m);
 /* Returns the level beyond which detail adds nothing. */

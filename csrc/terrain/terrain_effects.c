@@ -1,5 +1,5 @@
-/* The effect rows `terrain`, `far_casters` and `sub_cell_normals`: heights of bodies, shadows from
- * beyond the frame, and slopes finer than the mesh. */
+/* The effect rows `terrain`, `far_casters`, `sub_cell_normals` and `crater_rays`: heights of
+ * bodies, shadows from beyond the frame, slopes finer than the mesh, and bright ejecta. */
 #include "plan/changed_surfaces.h"
 #include "plan/effects.h"
 
@@ -55,4 +55,30 @@ const pl_effect pl_effect_sub_cell_normals = {
     .ceiling = pl_effect_ceiling_one,
     .bound_dn = bound_dn,
     .cost_ms = normals_cost_ms,
+};
+
+static bool has_rays(const pl_view_thing *thing) { return thing->rays; }
+
+static const char *rays_absent(const pl_view *view) {
+  return pl_view_has(view, has_rays) ? NULL : "no terrain in the scene has rays of craters";
+}
+
+/* No more than all light of the ground with rays: by Hapke's law it grows faster than the albedo.
+ */
+static double rays_bound_dn(const pl_view *view, int value) {
+  return value > 0 ? 0.0 : pl_view_changed_dn(view, has_rays);
+}
+
+static double rays_cost_ms(const pl_view *view, int value) {
+  (void)value;
+  return 1e-4 * view->width * view->height;
+}
+
+const pl_effect pl_effect_crater_rays = {
+    .name = "crater_rays",
+    .doc = "Bright ejecta and rays of fresh craters; off: ground of its mean albedo",
+    .absent = rays_absent,
+    .ceiling = pl_effect_ceiling_one,
+    .bound_dn = rays_bound_dn,
+    .cost_ms = rays_cost_ms,
 };

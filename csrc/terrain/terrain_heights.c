@@ -2,6 +2,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "terrain/crater_rays.h"
 #include "terrain/terrain_parts.h"
 
 enum { STRIP = PL_DETAIL_STRIP };
@@ -171,6 +172,20 @@ pl_status pl_terrain_craters(const pl_terrain *terrain, pl_vec3 direction, doubl
   return terrain->craters == NULL ? PL_OK
                                   : pl_crater_list(terrain->craters, &model, direction, radius_m,
                                                    min_m, max_m, out, count);
+}
+
+pl_status pl_terrain_rays(const pl_terrain *terrain, const pl_vec3 *directions, size_t count,
+                          int level, float *out) {
+  const pl_crater_model model = {posts_m, terrain};
+  if (terrain->craters != NULL)
+    return pl_crater_add_rays(terrain->craters, &model, directions, count,
+                              pl_cube_cell_m(level, terrain->radius_m), out);
+  memset(out, 0, count * sizeof *out);
+  return PL_OK;
+}
+
+double pl_terrain_ray_brightness(const pl_terrain *terrain) {
+  return terrain->craters != NULL ? pl_crater_field_frame(terrain->craters)->rays.brightness : 0.0;
 }
 
 static pl_status full_heights(work *w, const pl_vec3 *directions, size_t count, double *heights_m) {

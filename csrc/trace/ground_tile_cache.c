@@ -34,6 +34,7 @@ static void free_tile(pl_kept_tile *tile) {
   if (tile->scene != NULL)
     rtcReleaseScene(tile->scene);
   pl_ground_rocks_destroy(tile->tile.rocks);
+  pl_free(tile->tile.rays);
   pl_free(tile);
 }
 

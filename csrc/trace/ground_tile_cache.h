@@ -13,6 +13,7 @@ typedef struct pl_kept_tile {
   uint64_t used;    /* frame of its last use */
   uint64_t order;   /* in which tiles were made */
   size_t bytes;
+  bool has_rays; /* and counts them in `bytes` */
 } pl_kept_tile;
 
 struct pl_ground_tiles {

@@ -6,8 +6,9 @@ typedef struct build {
   pl_accelerators *kept;
   pl_ground_tiles *tiles;
   const pl_terrain *terrain;
-  uint64_t number; /* of the terrain */
-  size_t first;    /* index of the first new tile in the list */
+  uint64_t number;              /* of the terrain */
+  size_t first;                 /* index of the first new tile in the list */
+  const pl_ground_tile_id *ids; /* of the frame */
 } build;
 
 /* Embree reads whole vectors of 16 bytes at the last post: behind it lie the slopes. */
@@ -75,6 +76,34 @@ static void count_new(const build *build, long long before) {
                             (size_t)(grids > 0 ? grids : 0) / made;
     tiles->bytes += tiles->list[k]->bytes;
   }
+}
+
+static pl_status make_rays(void *context, size_t item, int worker) {
+  (void)worker;
+  const build *build = context;
+  const pl_ground_tile_id id = build->ids[item];
+  pl_kept_tile *tile = pl_ground_tiles_find(build->tiles, build->number, id);
+  return tile->tile.rays == NULL ? pl_ground_rays_make(build->terrain, id, &tile->tile.rays)
+                                 : PL_OK;
+}
+
+/* Tiles that are kept may have been made for frames without rays. */
+static pl_status make_missing_rays(build *build, size_t count, int threads, pl_cancel *cancel) {
+  size_t more = 0;
+  for (size_t k = 0; k < count; k++)
+    more += pl_ground_tiles_find(build->tiles, build->number, build->ids[k])->tile.rays == NULL;
+  if (more == 0)
+    return PL_OK;
+  const pl_status status = pl_parallel_for(threads, count, make_rays, build, cancel);
+  for (size_t k = 0; k < count; k++) {
+    pl_kept_tile *tile = pl_ground_tiles_find(build->tiles, build->number, build->ids[k]);
+    if (tile->tile.rays == NULL || tile->has_rays)
+      continue;
+    tile->has_rays = true;
+    tile->bytes += sizeof *tile->tile.rays;
+    build->tiles->bytes += sizeof *tile->tile.rays;
+  }
+  return status;
 }
 
 static pl_status make_missing(build *build, const pl_ground_tile_id *ids, size_t count, int threads,
@@ -169,6 +198,9 @@ pl_status pl_height_field_build(pl_accelerators *kept, const pl_terrain *terrain
   *field = (pl_height_field){.terrain = terrain};
   PL_TRY(pl_ground_tile_tree_choose(terrain, view, arena, &ids, &field->count, &field->widened));
   PL_TRY(make_missing(&build, ids, field->count, threads, cancel));
+  build.ids = ids;
+  if (view->rays && pl_terrain_ray_brightness(terrain) > 0.0)
+    PL_TRY(make_missing_rays(&build, field->count, threads, cancel));
   const pl_ground_tile **tiles = pl_arena_alloc(arena, field->count, sizeof *tiles);
   if (tiles == NULL)
     return pl_fail(PL_E_MEMORY, "out of memory for the ground");

@@ -53,8 +53,9 @@ class CraterField:
         "table": (n, 2) diameters, m, and densities of craters of these or more, 1/m^2), seed (0 to
         2^64 - 1), min_diameter_m, max_diameter_m, diffusivity_m2_per_myr (of craters of 1 km),
         diffusivity_exponent, ellipticity (greatest 1 - minor/major axis), irregularity (1: as real
-        rims), model_posts (posts of an elevation model over a crater that it shows). The defaults
-        are the Moon's."""
+        rims), model_posts (posts of an elevation model over a crater that it shows), ray_brightness
+        (of fresh ejecta over old ground, less 1; 0: no rays), ray_fade_ga, ray_reach (radii). The
+        defaults are the Moon's, without rays."""
     def heights(self, directions: F64, footprint_m: float = 0.0) -> F64:
         """(n,) relief of craters, m, in directions (n, 3); those of less than 2 to 4 footprints of
         diameter are left out."""

@@ -32,7 +32,10 @@ longitude, planetocentric latitude, diameter, and the unit direction of its cent
 
 def crater_field(given: Craters, radius_m: float) -> _core.CraterField:
     """The core's field of craters on a body of a mean radius. ValueError names the key."""
-    return _core.CraterField(core_settings(given, radius_m, _SMALLEST_M, _LARGEST_M))
+    settings = core_settings(given, radius_m, _SMALLEST_M, _LARGEST_M)
+    for key, value in settings.pop("rays", {}).items():
+        settings[f"ray_{key}"] = value
+    return _core.CraterField(settings)
 
 
 _COLUMNS = {

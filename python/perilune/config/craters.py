@@ -35,6 +35,20 @@ _Irregularity = Annotated[float, Field(strict=True, ge=0.0, le=3.0)]
 _Posts = Annotated[float, Field(strict=True, ge=1.0, le=1000.0)]
 
 
+class CraterRays(Strict):
+    """Bright ejecta and rays of young craters: soil that space has not darkened yet. They change
+    the albedo alone; its mean stays."""
+
+    brightness: Annotated[float, Field(strict=True, gt=0.0, le=4.0)] = 0.6
+    """By how much fresh ejecta are brighter than old ground: 0.6 is a factor of 1.6 on the
+    albedo."""
+    fade_ga: Annotated[float, Field(strict=True, gt=0.0, le=4.5)] = 1.0
+    """Time in which those of craters of 3 km or more fade, in 10^9 years; in proportion to the
+    diameter less for smaller ones."""
+    reach: Annotated[float, Field(strict=True, ge=3.0, le=20.0)] = 8.0
+    """Length of the longest rays, in radii of the crater."""
+
+
 class Craters(Strict):
     """Craters below the resolution of elevation models, or everywhere without any.
 
@@ -74,6 +88,8 @@ class Craters(Strict):
     """Largest 1 - minor/major axis; drawn for each crater from 0 on."""
     irregularity: _Irregularity = 1.0
     """Irregularity of rims and floors; 1: as real ones, 0: perfectly round."""
+    rays: CraterRays | None = None
+    """Bright ejecta and rays of young craters; none by default."""
     model_posts: _Posts = 6.0
     """Where an elevation model has so many posts along a crater's diameter or more, it shows its
     own craters of this size, and none is added."""
