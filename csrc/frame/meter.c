@@ -3,6 +3,7 @@
 
 #include "math/color.h"
 #include "sensor/metering.h"
+#include "trace/height_field.h"
 
 /* Longer side of the metering image in pixels, and its samples per pixel. */
 enum { METER_SIDE = 96, METER_SAMPLES = 4 };
@@ -87,9 +88,11 @@ pl_status pl_frame_meter(pl_renderer *renderer, const pl_frame_request *request,
   if (exposes)
     PL_TRY(meter_sensor(&meter, sensor, count, &renderer->arena));
   const pl_choice choice = pl_choice_of_metering(request, METER_SAMPLES);
+  const size_t grounds = pl_ground_scenes(renderer->accelerators);
   const pl_instant *instant;
   PL_TRY(pl_realise(renderer->accelerators, &small, &choice, &renderer->arena, &instant));
   PL_TRY(pl_frame_render(renderer, request, instant, &small.sky, meter_tile, &meter));
+  pl_ground_scenes_release(renderer->accelerators, grounds);
   if (exposes)
     pl_sensor_expose(sensor, pl_sensor_meter(&sensor->auto_time, meter.signals, camera->width,
                                              camera->height, meter.signals + count, fallback));

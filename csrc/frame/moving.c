@@ -4,6 +4,7 @@
 #include "frame/effects.h"
 #include "plan/effects.h"
 #include "scene/shutter.h"
+#include "trace/height_field.h"
 
 /* Number of instants at which the plan's view is evaluated. */
 enum { PLAN_INSTANTS = 9 };
@@ -74,7 +75,7 @@ typedef struct exposure {
   pl_output *output;
 } exposure;
 
-/* Renders one instant. */
+/* Renders one instant. Its ground is not used afterwards. */
 static pl_status render_at(const exposure *e, double time_s, const pl_choice *choice,
                            pl_tile_fn done) {
   pl_renderer *renderer = e->renderer;
@@ -82,6 +83,7 @@ static pl_status render_at(const exposure *e, double time_s, const pl_choice *ch
   const pl_frame_request *request = e->request;
   const double u = time_s / pl_shutter_window_s(&request->placement);
   const bool colour = choice->colour;
+  const size_t grounds = pl_ground_scenes(renderer->accelerators);
   pl_survey survey;
   const pl_instant *instant;
   pl_arena_reset(arena);
@@ -96,6 +98,7 @@ static pl_status render_at(const exposure *e, double time_s, const pl_choice *ch
   PL_TRY(pl_frame_render(renderer, request, instant, &survey.sky, done, e->output));
   if (colour && choice->settings.slice != NULL)
     add_stars(choice->settings.slice, &survey.sky, &instant->shot.camera, e->output->film);
+  pl_ground_scenes_release(renderer->accelerators, grounds);
   return PL_OK;
 }
 

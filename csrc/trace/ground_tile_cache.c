@@ -24,10 +24,9 @@ pl_status pl_ground_tiles_open(pl_accelerators *kept, pl_ground_tiles **out) {
   return PL_OK;
 }
 
-static void release_grounds(pl_ground_tiles *tiles) {
-  for (size_t k = 0; k < tiles->ground_count; k++)
-    rtcReleaseScene(tiles->grounds[k]);
-  tiles->ground_count = 0;
+static void release_grounds(pl_ground_tiles *tiles, size_t from) {
+  while (tiles->ground_count > from)
+    rtcReleaseScene(tiles->grounds[--tiles->ground_count]);
 }
 
 static void free_tile(pl_kept_tile *tile) {
@@ -42,7 +41,7 @@ void pl_ground_tiles_destroy(pl_accelerators *kept) {
   pl_ground_tiles *tiles = kept->ground;
   if (tiles == NULL)
     return;
-  release_grounds(tiles);
+  release_grounds(tiles, 0);
   for (size_t k = 0; k < tiles->count; k++)
     free_tile(tiles->list[k]);
   rtcSetDeviceMemoryMonitorFunction(kept->device, NULL, NULL);
@@ -157,7 +156,7 @@ void pl_ground_tiles_trim(pl_accelerators *kept) {
   pl_ground_tiles *tiles = kept->ground;
   if (tiles == NULL)
     return;
-  release_grounds(tiles);
+  release_grounds(tiles, 0);
   tiles->frame++;
   if (tiles->bytes <= tiles->limit)
     return;
@@ -175,7 +174,7 @@ void pl_ground_tiles_forget(pl_accelerators *kept, uint64_t terrain) {
   pl_ground_tiles *tiles = kept->ground;
   if (tiles == NULL)
     return;
-  release_grounds(tiles);
+  release_grounds(tiles, 0);
   size_t staying = 0;
   for (size_t k = 0; k < tiles->count; k++)
     if (tiles->list[k]->terrain != terrain) {
@@ -184,6 +183,15 @@ void pl_ground_tiles_forget(pl_accelerators *kept, uint64_t terrain) {
       tiles->list[staying++] = tile;
     }
   pl_ground_tiles_drop(tiles, staying);
+}
+
+size_t pl_ground_scenes(const pl_accelerators *kept) {
+  return kept->ground != NULL ? kept->ground->ground_count : 0;
+}
+
+void pl_ground_scenes_release(pl_accelerators *kept, size_t from) {
+  if (kept->ground != NULL)
+    release_grounds(kept->ground, from);
 }
 
 pl_status pl_ground_tiles_limit(pl_accelerators *kept, size_t bytes) {

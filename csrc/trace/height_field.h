@@ -26,6 +26,11 @@ void pl_ground_tiles_trim(pl_accelerators *kept);
  * destroyed already: no other terrain gets its number. */
 void pl_ground_tiles_forget(pl_accelerators *kept, uint64_t terrain);
 
+/* Scenes of grounds that are held, and the release of all from one on: of grounds that are not in
+ * use any more. Tiles stay. */
+size_t pl_ground_scenes(const pl_accelerators *kept);
+void pl_ground_scenes_release(pl_accelerators *kept, size_t from);
+
 /* The limit of bytes, and what is kept at present. */
 pl_status pl_ground_tiles_limit(pl_accelerators *kept, size_t bytes);
 typedef struct pl_ground_tiles_use {
