@@ -1,6 +1,8 @@
 /* Upper bounds of image motion while the shutter is open, summed from key to key. */
 #include "scene/shutter.h"
 
+#include "terrain/ground_distance.h"
+
 /* Bounding sphere that moves with a thing, and its motion relative to the thing. */
 typedef struct mover {
   const pl_motion *motion;
@@ -126,6 +128,28 @@ static double object_px(const pl_placement *placement, const pl_snapshot *shot, 
   return sphere_px(step, &mover, &from, &to);
 }
 
+/* A camera over terrain: seen from it, the camera moves and turns over ground that stands still.
+ * `clear_m`: no ground is nearer in the middle of the exposure. */
+static double ground_px(const pl_placement *placement, const pl_snapshot *shot, size_t i,
+                        const step *step, double u[2], double clear_m) {
+  const pl_shot_body *body = &shot->bodies[i];
+  const pl_motion *motion = &placement->bodies[i].motion;
+  const pl_pose from = pl_motion_at(motion, u[0]), to = pl_motion_at(motion, u[1]);
+  const pl_vec3 a = pl_vec3_sub(from.t, step->from.t), b = pl_vec3_sub(to.t, step->to.t);
+  if (!may_be_seen(step, a, b, body->outer_m))
+    return 0.0;
+  const pl_vec3 eye_a = pl_vec3_scale(pl_mat3_mul_vec_t(pl_mat3_from_quat(from.q), a), -1.0);
+  const pl_vec3 eye_b = pl_vec3_scale(pl_mat3_mul_vec_t(pl_mat3_from_quat(to.q), b), -1.0);
+  const double way = pl_vec3_norm(pl_vec3_sub(eye_b, eye_a));
+  const double off = fmax(pl_vec3_norm(pl_vec3_sub(eye_a, body->camera)),
+                          pl_vec3_norm(pl_vec3_sub(eye_b, body->camera)));
+  const double turn = turn_rad(pl_quat_mul(pl_quat_conjugate(step->from.q), from.q),
+                               pl_quat_mul(pl_quat_conjugate(step->to.q), to.q));
+  if (!(way > 0.0))
+    return step->px_per_rad * turn;
+  return clear_m > off ? step->px_per_rad * (turn + way / (clear_m - off)) : INFINITY;
+}
+
 static double body_px(const pl_placement *placement, const pl_snapshot *shot, size_t i,
                       const step *step, double u[2]) {
   const mover mover = {.motion = &placement->bodies[i].motion,
@@ -187,14 +211,28 @@ static double volume_px(const pl_placement *placement, const pl_snapshot *shot, 
   return sphere_px(step, &mover, &from, &to);
 }
 
+/* The body whose ground was measured last. */
+typedef struct measured {
+  const pl_shot_body *body;
+  double clear_m;
+} measured;
+
+static double clear_of(const pl_shot_body *body, measured *last) {
+  if (last->body != body)
+    *last = (measured){body, pl_ground_distance_m(body->body->terrain, body->camera)};
+  return last->clear_m;
+}
+
 static double step_px(const pl_placement *placement, const pl_snapshot *shot, bool sky, int key,
-                      int keys) {
+                      int keys, measured *last) {
   const step step = step_of(placement, shot, key, keys);
   double u[2] = {(double)key / (keys - 1), (double)(key + 1) / (keys - 1)}, most = 0.0;
   for (size_t i = 0; i < shot->object_count; i++)
     most = fmax(most, object_px(placement, shot, i, &step, key, u));
   for (size_t i = 0; i < shot->body_count; i++)
-    if (shot->bodies[i].shape == NULL)
+    if (shot->bodies[i].has_terrain)
+      most = fmax(most, ground_px(placement, shot, i, &step, u, clear_of(&shot->bodies[i], last)));
+    else if (shot->bodies[i].shape == NULL)
       most = fmax(most, body_px(placement, shot, i, &step, u));
   for (size_t i = 0; i < shot->body_count; i++)
     if (shot->bodies[i].body->rings != NULL)
@@ -215,11 +253,12 @@ void pl_shutter_measure(const pl_placement *placement, const pl_snapshot *shot, 
   const pl_motion *camera = &placement->camera.motion;
   const int keys = camera->keys != NULL ? camera->key_count : 2;
   double total = 0.0, fastest = 0.0;
+  measured last = {.body = NULL};
   view->blur_px = view->skew_px = 0.0;
   if (!(window_s > 0.0))
     return;
   for (int key = 0; key + 1 < keys; key++) {
-    const double px = shutter->held ? INFINITY : step_px(placement, shot, sky, key, keys);
+    const double px = shutter->held ? INFINITY : step_px(placement, shot, sky, key, keys, &last);
     total += px;
     fastest = fmax(fastest, px * (keys - 1) / window_s);
   }
