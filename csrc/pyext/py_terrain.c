@@ -165,6 +165,7 @@ static int stack_of(PyObject *given, const char *what, PyObject *kept, pl_raster
 
 typedef struct parts {
   PyObject *layers, *detail, *craters, *rocks, *albedo, *roughness;
+  double roughness_baseline_m;
 } parts;
 
 static int create(terrain_object *self, const double radii_m[3], const parts *in) {
@@ -173,7 +174,8 @@ static int create(terrain_object *self, const double radii_m[3], const parts *in
   pl_terrain_frame frame = {.radii_m = {radii_m[0], radii_m[1], radii_m[2]},
                             .layers = given,
                             .albedo = &albedo,
-                            .roughness = &roughness};
+                            .roughness = &roughness,
+                            .roughness_baseline_m = in->roughness_baseline_m};
   self->kept = PyList_New(0);
   if (self->kept == NULL ||
       (in->layers != NULL && layers_of(in->layers, self->kept, given, &frame.layer_count) < 0) ||
@@ -192,12 +194,14 @@ static int create(terrain_object *self, const double radii_m[3], const parts *in
 
 static PyObject *terrain_new(PyTypeObject *type, PyObject *args, PyObject *kwargs) {
   static char *names[] = {"radii_m", "layers", "detail",    "craters",
-                          "rocks",   "albedo", "roughness", NULL};
+                          "rocks",   "albedo", "roughness", "roughness_baseline_m",
+                          NULL};
   PyObject *radii;
-  parts in = {NULL, Py_None, Py_None, Py_None, Py_None, Py_None};
+  parts in = {NULL, Py_None, Py_None, Py_None, Py_None, Py_None, 0.0};
   const npy_intp shape[1] = {3};
-  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "O|OOOOOO:Terrain", names, &radii, &in.layers,
-                                   &in.detail, &in.craters, &in.rocks, &in.albedo, &in.roughness))
+  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "O|OOOOOOd:Terrain", names, &radii, &in.layers,
+                                   &in.detail, &in.craters, &in.rocks, &in.albedo, &in.roughness,
+                                   &in.roughness_baseline_m))
     return NULL;
   PyArrayObject *array = pl_py_array(radii, "radii_m", NPY_DOUBLE, 1, shape);
   if (array == NULL)
@@ -450,7 +454,7 @@ static PyGetSetDef terrain_getset[] = {
 
 static PyType_Slot terrain_slots[] = {
     {Py_tp_doc, "Terrain(radii_m, layers=(), detail=None, craters=None, rocks=None, "
-                "albedo=None, roughness=None)\n--\n\nGround of a body."},
+                "albedo=None, roughness=None, roughness_baseline_m=0.0)\n--\n\nGround of a body."},
     {Py_tp_new, (void *)terrain_new},
     {Py_tp_dealloc, (void *)terrain_dealloc},
     {Py_tp_methods, terrain_methods},

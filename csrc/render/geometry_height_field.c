@@ -83,6 +83,19 @@ static pl_vec3 slope_on(pl_vec3 normal, pl_vec3 up, pl_vec3 slope) {
   return pl_vec3_scale(on, fmax(height, 0.0) / fmax(1.0 - height * along, LEAST));
 }
 
+/* Slopes that the ground has are not in its law of reflectance, too. */
+static void share_roughness(const pl_terrain *terrain, pl_regolith *regolith) {
+  float given = -1.0f, left = 0.0f;
+  for (int k = 0; k < 3; k++) {
+    float *own = &regolith->band[k].roughness_rad;
+    if (*own != given) {
+      given = *own;
+      left = (float)pl_terrain_roughness_left(terrain, (double)given);
+    }
+    *own = left;
+  }
+}
+
 /* Slopes finer than the mesh are facets, which models that know none have as a bent normal. */
 static void add_slopes(const pl_shot_body *body, const pl_beam *beam, pl_vertex *vertex) {
   pl_surface *surface = &vertex->surface;
@@ -93,6 +106,8 @@ static void add_slopes(const pl_shot_body *body, const pl_beam *beam, pl_vertex 
       body->field->terrain, up, pl_ground_tile_lattice(tile->id), footprint_m(vertex, beam));
   const pl_vec3 normal = pl_mat3_mul_vec_t(body->rotation, pl_vec3f_to_double(surface->n));
   const pl_vec3f slope = to_root(body, slope_on(normal, up, left.slope));
+  if (surface->reflectance->photometric)
+    share_roughness(body->field->terrain, &surface->regolith);
   if (surface->reflectance->photometric || surface->reflectance == &pl_reflectance_lambert)
     surface->rough = (pl_rough){slope, (float)fmax(left.variance, 0.0), (float)left.whole};
   else

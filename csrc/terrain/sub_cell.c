@@ -13,7 +13,7 @@ static const double VARIANCE[KEPT] = {0.212, 0.610, 0.868, 0.967};
 static const double COVARIANCE[KEPT] = {0.375, 0.766, 0.930, 0.983};
 static const double ADDED[KEPT] = {0.58865, 0.2223, 0.0, 0.0};
 
-void pl_slope_table_init(pl_terrain *terrain) {
+void pl_slope_table_init(pl_terrain *terrain, double roughness_baseline_m) {
   pl_slope_table *out = &terrain->slopes;
   double cells_m[PL_CUBE_LEVELS];
   out->beyond[PL_CUBE_LEVELS] = 0.0;
@@ -25,6 +25,8 @@ void pl_slope_table_init(pl_terrain *terrain) {
   }
   if (terrain->craters != NULL)
     pl_crater_slope_variances(terrain->craters, cells_m, PL_CUBE_LEVELS, out->craters);
+  out->shared =
+      roughness_baseline_m > 0.0 ? pl_terrain_slope_variance(terrain, roughness_baseline_m) : 0.0;
 }
 
 /* The coarsest octave that is drawn in a direction: elsewhere, wider waves are the model's. */
@@ -76,4 +78,10 @@ double pl_terrain_slope_variance(const pl_terrain *terrain, double cell_m) {
   const double part = at - level;
   return (1.0 - part) * (table->beyond[level] + table->craters[level]) +
          part * (table->beyond[level + 1] + table->craters[level + 1]);
+}
+
+/* Hapke's mean slope: tan(theta) is sqrt(2/pi) times the deviation of slopes along an axis. */
+double pl_terrain_roughness_left(const pl_terrain *terrain, double roughness_rad) {
+  const double tangent = tan(roughness_rad);
+  return atan(sqrt(fmax(tangent * tangent - 2.0 / PL_PI * terrain->slopes.shared, 0.0)));
 }

@@ -69,6 +69,9 @@ static pl_status check(const pl_terrain_frame *frame) {
                    frame->layer_count, PL_TERRAIN_LAYERS);
   for (size_t n = 0; n < frame->layer_count; n++)
     PL_TRY(check_layer(&frame->layers[n], n));
+  if (!(frame->roughness_baseline_m >= 0.0 && isfinite(frame->roughness_baseline_m)))
+    return pl_fail(PL_E_RANGE, "roughness_baseline_m of a terrain must be at least 0, not %g",
+                   frame->roughness_baseline_m);
   PL_TRY(check_craters(frame));
   PL_TRY(check_rocks(frame));
   PL_TRY(check_surface(frame));
@@ -100,7 +103,7 @@ pl_status pl_terrain_create(const pl_terrain_frame *frame, pl_terrain **out) {
     if (layer->coarsest < t->detail.first)
       layer->coarsest = t->detail.first;
   }
-  pl_slope_table_init(t);
+  pl_slope_table_init(t, frame->roughness_baseline_m);
   *out = t;
   return PL_OK;
 }

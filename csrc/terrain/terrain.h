@@ -45,6 +45,9 @@ typedef struct pl_terrain_frame {
   pl_terrain_detail detail;
   const pl_crater_field *craters;    /* borrowed; NULL: none */
   const struct pl_rock_field *rocks; /* borrowed; NULL: none */
+  /* Roughness that a law of reflectance states is that of slopes below this baseline; 0: of slopes
+   * finer than all detail. */
+  double roughness_baseline_m;
   /* Of the surface, with borrowed rasters; NULL: none. Albedo as in the body's colour map; Hapke's
    * roughness, rad. */
   const pl_raster_stack *albedo, *roughness;

@@ -20,6 +20,7 @@ typedef struct pl_slope_table {
   double octave[PL_CUBE_LEVELS];     /* of the octave of detail of this level */
   double beyond[PL_CUBE_LEVELS + 1]; /* of all octaves from this level on */
   double craters[PL_CUBE_LEVELS];    /* of what cells of this level leave out of craters */
+  double shared;                     /* below roughness_baseline_m, of detail and craters */
 } pl_slope_table;
 
 struct pl_terrain {
@@ -38,7 +39,7 @@ struct pl_terrain {
 /* What the rasters show of craters. */
 pl_crater_model pl_terrain_crater_model(const pl_terrain *terrain);
 /* Sets terrain->slopes from the laws of detail and craters. */
-void pl_slope_table_init(pl_terrain *terrain);
+void pl_slope_table_init(pl_terrain *terrain, double roughness_baseline_m);
 
 /* Detail at posts of rasters: a hash table of those that the nodes at hand need. */
 enum { PL_POSTS = 4096, PL_STENCIL = 16 };

@@ -18,7 +18,7 @@ typedef struct ground {
   pl_fractal_detail detail;
 } ground;
 
-static ground make(double strength, bool craters) {
+static ground make_shared(double strength, bool craters, double roughness_baseline_m) {
   ground out = {0};
   pl_terrain_frame frame = {.radii_m = {MOON_M, MOON_M, MOON_M},
                             .detail = {.on = strength > 0.0,
@@ -29,7 +29,8 @@ static ground make(double strength, bool craters) {
                                        .ranges = {{0.0, 0.8}},
                                        .strength = strength,
                                        .longest_m = 500.0,
-                                       .finest_m = 0.5}};
+                                       .finest_m = 0.5},
+                            .roughness_baseline_m = roughness_baseline_m};
   if (craters) {
     pl_crater_frame given = pl_crater_frame_default(MOON_M);
     given.min_m = 2.0;
@@ -41,6 +42,8 @@ static ground make(double strength, bool craters) {
   pl_fractal_detail_init(&frame.detail, MOON_M, &out.detail);
   return out;
 }
+
+static ground make(double strength, bool craters) { return make_shared(strength, craters, 0.0); }
 
 static void drop(ground *ground) {
   pl_terrain_destroy(ground->terrain);
@@ -200,12 +203,36 @@ static void test_ends(void **state) {
   drop(&rough);
 }
 
+/* Hapke's roughness and that of the ground below the baseline add up to the stated one. */
+static void test_roughness_is_shared(void **state) {
+  (void)state;
+  const double stated = 23.7 * PL_PI / 180.0, tangent = tan(stated);
+  for (double baseline_m = 1.0; baseline_m < 1e5; baseline_m *= 10.0) {
+    ground ground = make_shared(0.3, true, baseline_m);
+    const double left = tan(pl_terrain_roughness_left(ground.terrain, stated));
+    const double own = pl_terrain_slope_variance(ground.terrain, baseline_m);
+    assert_true(own > 0.0 && left < tangent);
+    assert_true(fabs(left * left + 2.0 / PL_PI * own - tangent * tangent) < 1e-12);
+    drop(&ground);
+  }
+  ground none = make_shared(0.3, true, 0.0), steep = make_shared(5.0, false, 100.0);
+  assert_true(fabs(pl_terrain_roughness_left(none.terrain, stated) - stated) < 1e-12);
+  assert_true(pl_terrain_roughness_left(steep.terrain, stated) == 0.0);
+  assert_true(pl_terrain_roughness_left(steep.terrain, 0.0) == 0.0);
+  drop(&none);
+  drop(&steep);
+  pl_terrain *terrain;
+  const pl_terrain_frame wrong = {.radii_m = {1.0, 1.0, 1.0}, .roughness_baseline_m = -1.0};
+  assert_int_equal(pl_terrain_create(&wrong, &terrain), PL_E_RANGE);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_variance_of_octaves),
       cmocka_unit_test(test_shares),
       cmocka_unit_test(test_craters),
       cmocka_unit_test(test_ends),
+      cmocka_unit_test(test_roughness_is_shared),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

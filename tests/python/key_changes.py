@@ -68,6 +68,7 @@ KEYS = {
     ("Body", "terrain"): PLACED,
     ("Terrain", "albedo"): LIGHT,
     ("Terrain", "roughness"): LIGHT,
+    ("Terrain", "roughness_baseline_m"): LIGHT,
     ("Body", "class"): rule("names"),
     ("Shape", "smooth"): LIGHT,
     ("Spacecraft", "centre"): PLACED,

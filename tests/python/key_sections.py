@@ -229,6 +229,17 @@ THINGS = [
         {"camera.fov_deg": 2.0, "bodies.b.reflectance": "hapke"},
     ),
     Section(
+        Terrain,
+        (*AT_BODY, "terrain"),
+        {},
+        {"roughness_baseline_m": 0.0},
+        {
+            "camera.fov_deg": 2.0,
+            "bodies.b.reflectance": "hapke",
+            "bodies.b.photometry": {"roughness_deg": 25.0},
+        },
+    ),
+    Section(
         Detail,
         (*AT_BODY, "terrain", "detail"),
         {},

@@ -17,11 +17,21 @@ def ground(
     sun_deg: float,
     normals: bool = True,
     lon_deg: float = SITE["lon_deg"],
+    height_m: float = 2.0,
+    baseline_m: float = 100.0,
+    longest_m: float = 6e5,
+    smooth: bool = False,
     body: dict[str, Any] | None = None,
 ) -> dict[str, np.ndarray]:
-    """Lunar highlands under a camera, pixels of 15 mm."""
-    terrain = {"detail": {"seed": 3}, "cells_per_pixel": cells, "finest_cell_m": 0.001}
+    """Lunar highlands under a camera, pixels of 15 mm from 2 m."""
+    terrain = {
+        "detail": {"seed": 3, "longest_m": longest_m},
+        "cells_per_pixel": cells,
+        "finest_cell_m": 0.001,
+    }
+    terrain |= {"roughness_baseline_m": baseline_m}
     moon = {"kind": "moon", "reflectance": "hapke", "albedo": 0.33, "terrain": terrain}
+    off = ["sub_cell_normals"] if not normals else ["terrain", "sub_cell_normals"] if smooth else []
     place = {"lon_deg": lon_deg, "lat_deg": SITE["lat_deg"]}
     tree = {
         "version": 1,
@@ -33,13 +43,13 @@ def ground(
             "width": 48,
             "height": 48,
             "fov_deg": 20.0,
-            "trajectory": {"kind": "hover", "target": "moon", "height_m": 2.0} | place,
+            "trajectory": {"kind": "hover", "target": "moon", "height_m": height_m} | place,
             "exposure": {"mode": "fixed", "white_radiance_w_m2_sr": 60.0},
         },
         "render": {
             "samples": 16,
             "max_bounces": 0,
-            "force_off": ["soft_sun"] if normals else ["soft_sun", "sub_cell_normals"],
+            "force_off": ["soft_sun", *off],
             "force_on": ["antialiasing"],
         },
     }
@@ -69,7 +79,7 @@ def test_brightness_does_not_depend_on_cells(model: str, sun_deg: float, limit: 
     detail is geometry. The limits are mostly the chance of 700 mm of ground."""
 
     def mean(cells: float, normals: bool = True) -> float:
-        drawn = ground(cells, sun_deg, normals, body=BODIES[model])
+        drawn = ground(cells, sun_deg, normals, baseline_m=0.0, body=BODIES[model])
         return float(drawn["radiance"].mean())
 
     fine = mean(8.0)
@@ -96,3 +106,14 @@ def test_labels_are_of_the_mesh() -> None:
     assert (on["radiance"] != off["radiance"]).mean() > 0.9
     assert np.array_equal(on["depth"], off["depth"])
     assert np.array_equal(on["normal"], off["normal"])
+
+
+@pytest.mark.parametrize(("sun_deg", "limit"), [(20.0, 0.018), (45.0, 0.018)])
+def test_from_afar_the_ground_is_as_bright_as_its_law(sun_deg: float, limit: float) -> None:
+    """Pixels of 150 m. The law's roughness is shared with the detail below its baseline: else the
+    ground has both, and is too dark."""
+    flat = ground(1.0, sun_deg, height_m=20e3, longest_m=100.0, smooth=True)["radiance"].mean()
+    shared = ground(1.0, sun_deg, height_m=20e3, longest_m=100.0)["radiance"].mean()
+    twice = ground(1.0, sun_deg, height_m=20e3, longest_m=100.0, baseline_m=0.0)["radiance"].mean()
+    assert abs(shared / flat - 1.0) < limit
+    assert twice < 0.995 * shared

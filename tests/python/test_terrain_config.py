@@ -61,6 +61,7 @@ def refused(scene, repo_dir, text):
         ({"detail": None}, "null: without elevation or craters there is then no ground"),
         ({"cells_per_pixel": 0.0}, "cells_per_pixel"),
         ({"finest_cell_m": 0.0}, "finest_cell_m"),
+        ({"roughness_baseline_m": -1.0}, "roughness_baseline_m"),
         ({"detail": {"hurst": 0.5, "ranges": [{"from_m": 0.0, "hurst": 0.9}]}},
          "give only one of hurst, ranges"),
         ({"detail": {"ranges": [{"from_m": 1.0, "hurst": 0.9}]}}, "must be 0"),

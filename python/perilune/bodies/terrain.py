@@ -80,8 +80,9 @@ def core_terrain(
     radius_m = float(np.cbrt(np.prod(radii_m)))
     craters = None if given.craters is None else crater_field(given.craters, radius_m)
     rocks = None if given.rocks is None else rock_field(given.rocks, radius_m)
-    sheets = [_sheets(rows, float(radii_m[0])) for rows in (albedo, roughness)]
-    return _core.Terrain(radii_m, layers, detail, craters, rocks, *sheets)
+    sheets = tuple(_sheets(rows, float(radii_m[0])) for rows in (albedo, roughness))
+    baseline_m = given.roughness_baseline_m
+    return _core.Terrain(radii_m, layers, detail, craters, rocks, sheets[0], sheets[1], baseline_m)
 
 
 def ground_of(terrain: _core.Terrain, radii_m: F64, geodetic: bool) -> Ground:

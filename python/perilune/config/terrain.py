@@ -97,6 +97,10 @@ class Terrain(Strict):
     """Rasters of Hapke's macroscopic roughness, 0 to 60 degrees, from coarse to fine: each lies
     over those before it, the first over the body's photometry.roughness_deg; only for reflectance
     with a roughness."""
+    roughness_baseline_m: NonNegative = 100.0
+    """Baseline below which photometry.roughness_deg is that of all slopes. Those of detail and
+    craters, which the ground has itself, are taken from it. Default: 100 m, the pixels of the maps
+    that the Moon's is from. 0: it is that of slopes finer than all detail."""
     craters: Craters | None = None
     """Craters where elevation models do not show them; none by default."""
     rocks: Rocks | None = None
