@@ -170,6 +170,11 @@ const pl_channel pl_channels[] = {
     {"rms_height", "float32", 4, PL_COMPONENTS_BASELINES, "m",
      "RMS height of the ground over its plane at each baseline; nan off bodies with terrain",
      PL_BLANK_NAN, NULL},
+    {"hazard", "uint8", 1, 0, "bits",
+     "why a lander cannot stand here: 1 slope, 2 roughness, 4 rocks; 0 where it can, 128 off "
+     "bodies "
+     "with terrain",
+     PL_BLANK_ZERO, NULL},
     {"rock_id", "int64", 8, 0, "id", "rock on the ground; 0 where there is none", PL_BLANK_ZERO,
      pl_write_rock_id},
     {"crater_id", "int64", 8, 0, "id",
@@ -179,9 +184,9 @@ const pl_channel pl_channels[] = {
 };
 const size_t pl_channel_count = sizeof pl_channels / sizeof pl_channels[0];
 
-size_t pl_channel_elements(const pl_channel *channel, int levels) {
+size_t pl_channel_elements(const pl_channel *channel, int many) {
   if (channel->components < 0)
-    return (size_t)levels;
+    return (size_t)many;
   return channel->components == 0 ? 1 : (size_t)channel->components;
 }
 

@@ -47,8 +47,9 @@ typedef struct pl_channel {
 extern const pl_channel pl_channels[];
 extern const size_t pl_channel_count;
 
-/* Returns the number of elements per pixel. */
-size_t pl_channel_elements(const pl_channel *channel, int levels);
+/* Returns the number of elements per pixel; where components is negative, `many`: the number of
+ * levels, or of baselines. */
+size_t pl_channel_elements(const pl_channel *channel, int many);
 
 /* Writes `count` pixels of a row to every requested channel. `images` is indexed as pl_channels;
  * NULL where a channel is not requested. `first` is the row-major index of the first pixel. */

@@ -22,7 +22,9 @@ void pl_write_crater_id(const pl_label_run *run, void *pixels);
 /* Rows y0 to y1 - 1 of images of the map. From the elevations of neighbouring pixels: */
 void pl_write_slope_sobel(const pl_ground_map *map, int y0, int y1);
 void pl_write_roughness_laplacian(const pl_ground_map *map, int y0, int y1);
-/* From heights around the points, of bodies with terrain: slope_baseline and rms_height. */
-pl_status pl_write_planes(const pl_ground_map *map, int y0, int y1);
+/* Pixels of a group. From heights around the points: slope_baseline and rms_height. */
+pl_status pl_write_planes(const pl_ground_group *group);
+/* From the same, and rocks. */
+pl_status pl_write_hazard(const pl_ground_group *group);
 
 #endif

@@ -9,6 +9,7 @@ static const char *const names[PL_GROUND_IMAGES] = {
     [PL_GROUND_ROUGHNESS_LAPLACIAN] = "roughness_laplacian",
     [PL_GROUND_SLOPE_BASELINE] = "slope_baseline",
     [PL_GROUND_RMS_HEIGHT] = "rms_height",
+    [PL_GROUND_HAZARD] = "hazard",
 };
 
 bool pl_ground_map_init(const pl_snapshot *shot, const pl_ground_settings *settings,
@@ -28,16 +29,34 @@ static bool has_planes(const pl_ground_map *map) {
   return map->images[PL_GROUND_SLOPE_BASELINE] != NULL || map->images[PL_GROUND_RMS_HEIGHT] != NULL;
 }
 
-pl_status pl_ground_map_check(pl_ground_map *map) {
-  const pl_ground_settings *settings = map->settings;
-  if (!has_planes(map))
-    return PL_OK;
+static pl_status check_baselines(const pl_ground_settings *settings) {
   if (settings->baseline_count < 1)
     return pl_fail(PL_E_ARGUMENT, "a channel at a baseline is asked for, but there is no baseline");
   for (int k = 0; k < settings->baseline_count; k++)
     if (!(settings->baselines_m[k] > 0.0 && isfinite(settings->baselines_m[k])))
       return pl_fail(PL_E_RANGE, "a baseline of %g m; must be above 0", settings->baselines_m[k]);
-  return pl_disc_init(settings->disc_points, &map->disc);
+  return PL_OK;
+}
+
+static pl_status check_limits(const pl_hazard_limits *limits) {
+  if (!(limits->footprint_m > 0.0 && isfinite(limits->footprint_m)))
+    return pl_fail(PL_E_RANGE, "hazards of a footprint of %g m; must be above 0",
+                   limits->footprint_m);
+  if (!(limits->slope_rad >= 0.0 && limits->rms_m >= 0.0 && limits->rock_m >= 0.0))
+    return pl_fail(PL_E_RANGE,
+                   "hazards above a slope of %g rad, an RMS height of %g m and rocks of %g m; must "
+                   "be 0 or more",
+                   limits->slope_rad, limits->rms_m, limits->rock_m);
+  return PL_OK;
+}
+
+pl_status pl_ground_map_check(pl_ground_map *map) {
+  const bool hazard = map->images[PL_GROUND_HAZARD] != NULL;
+  if (has_planes(map))
+    PL_TRY(check_baselines(map->settings));
+  if (hazard)
+    PL_TRY(check_limits(&map->settings->hazard));
+  return has_planes(map) || hazard ? pl_disc_init(map->settings->disc_points, &map->disc) : PL_OK;
 }
 
 void pl_ground_map_take(const pl_ground_map *map, const pl_snapshot *shot, const pl_vertex *points,
@@ -58,10 +77,48 @@ void pl_ground_map_take(const pl_ground_map *map, const pl_snapshot *shot, const
   }
 }
 
-pl_status pl_ground_map_write(const pl_ground_map *map, int y0, int y1) {
+/* Fills a group with the pixels of a square that see a body, or with `body` -1 none. */
+static void gather(const pl_ground_map *map, const int square[4], int32_t body,
+                   pl_ground_group *out) {
+  out->count = 0;
+  out->terrain = body >= 0 ? map->shot->bodies[body].body->terrain : NULL;
+  for (int y = square[1]; y < square[3]; y++)
+    for (int x = square[0]; x < square[2]; x++) {
+      const size_t pixel = (size_t)y * (size_t)map->shot->camera.width + (size_t)x;
+      if (map->points[pixel].body != body)
+        continue;
+      if (out->terrain != NULL)
+        out->directions[out->count] = pl_vec3_unit(map->points[pixel].position);
+      out->pixels[out->count++] = pixel;
+    }
+}
+
+pl_status pl_ground_groups(const pl_ground_map *map, int y0, int y1, int worker,
+                           pl_ground_group_fn visit) {
+  const int width = map->shot->camera.width;
+  pl_ground_group group = {.map = map};
+  if (map->memos != NULL)
+    group.memos = map->memos + (size_t)worker * PL_ROCK_MEMOS;
+  for (int x = 0; x < width; x += PL_GROUND_ROWS) {
+    const int end = x + PL_GROUND_ROWS < width ? x + PL_GROUND_ROWS : width;
+    const int square[4] = {x, y0, end, y1};
+    for (int32_t body = -1; body < (int32_t)map->shot->body_count; body++) {
+      gather(map, square, body, &group);
+      if (group.count > 0)
+        PL_TRY(visit(&group));
+    }
+  }
+  return PL_OK;
+}
+
+pl_status pl_ground_map_write(const pl_ground_map *map, int y0, int y1, int worker) {
   if (map->images[PL_GROUND_SLOPE_SOBEL] != NULL)
     pl_write_slope_sobel(map, y0, y1);
   if (map->images[PL_GROUND_ROUGHNESS_LAPLACIAN] != NULL)
     pl_write_roughness_laplacian(map, y0, y1);
-  return has_planes(map) ? pl_write_planes(map, y0, y1) : PL_OK;
+  if (has_planes(map))
+    PL_TRY(pl_ground_groups(map, y0, y1, worker, pl_write_planes));
+  if (map->images[PL_GROUND_HAZARD] != NULL)
+    PL_TRY(pl_ground_groups(map, y0, y1, worker, pl_write_hazard));
+  return PL_OK;
 }

@@ -48,6 +48,11 @@ static pl_status prepare_ground(pl_arena *arena, pl_labels *out) {
   PL_TRY(pl_ground_map_check(map));
   PL_TRY(take(arena, pixels_of(out->shot), sizeof(pl_ground_point), &memory));
   map->points = memory;
+  if (map->images[PL_GROUND_HAZARD] == NULL)
+    return PL_OK;
+  const size_t memos = (size_t)out->request->threads * PL_ROCK_MEMOS;
+  PL_TRY(take(arena, memos, sizeof(pl_rock_memo), &memory));
+  map->memos = memset(memory, 0, memos * sizeof(pl_rock_memo));
   return PL_OK;
 }
 
@@ -106,8 +111,8 @@ static pl_status write_ground_rows(void *context, size_t item, int worker) {
   const pl_labels *labels = context;
   const pl_ground_map *map = &labels->ground;
   const int height = map->shot->camera.height, y0 = (int)item * PL_GROUND_ROWS;
-  (void)worker;
-  return pl_ground_map_write(map, y0, y0 + PL_GROUND_ROWS < height ? y0 + PL_GROUND_ROWS : height);
+  const int y1 = y0 + PL_GROUND_ROWS < height ? y0 + PL_GROUND_ROWS : height;
+  return pl_ground_map_write(map, y0, y1, worker);
 }
 
 static pl_status finish_ground(const pl_labels *labels) {

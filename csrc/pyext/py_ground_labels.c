@@ -3,8 +3,18 @@
 #include "pyext/py_read.h"
 #include "pyext/py_request.h"
 
+static const char where[] = "ground_labels";
+
+/* Reads (footprint_m, slope_rad, rms_m, rock_m). */
+static int parse_hazard(PyObject *given, pl_hazard_limits *out) {
+  double numbers[4];
+  if (pl_py_member_doubles(given, "hazard", where, 4, numbers) < 0)
+    return -1;
+  *out = (pl_hazard_limits){numbers[0], numbers[1], numbers[2], numbers[3]};
+  return 0;
+}
+
 int pl_py_ground_labels_parse(PyObject *request, pl_frame_request *out) {
-  static const char where[] = "ground_labels";
   const npy_intp shape[1] = {-1};
   PyObject *given = PyDict_GetItemString(request, where);
   size_t points;
@@ -12,7 +22,8 @@ int pl_py_ground_labels_parse(PyObject *request, pl_frame_request *out) {
     return PyErr_Occurred() ? -1 : 0;
   Py_INCREF(given);
   PyArrayObject *baselines = pl_py_member_array(given, "baselines_m", where, 1, shape);
-  int failed = baselines == NULL || pl_py_member_size(given, "points", where, &points) < 0;
+  int failed = baselines == NULL || pl_py_member_size(given, "points", where, &points) < 0 ||
+               parse_hazard(given, &out->ground.hazard) < 0;
   if (!failed && PyArray_DIM(baselines, 0) > PL_BASELINES_MAX) {
     PyErr_Format(PyExc_ValueError, "ground_labels: %zd baselines; at most %d are supported",
                  (Py_ssize_t)PyArray_DIM(baselines, 0), PL_BASELINES_MAX);

@@ -17,6 +17,8 @@
 
 /* Greatest share of the ground that a law may cover. */
 #define PL_ROCK_COVER_MOST 0.5
+/* No rock reaches higher over its deepest point than this many diameters. */
+#define PL_ROCK_HEIGHT_MOST 2.4
 /* Most rocks that a list may be expected to have. */
 #define PL_ROCK_LIST_MOST 2e6
 /* The ground passes through a rock within this part of the way from its middle to its outline. */
@@ -67,6 +69,9 @@ typedef struct pl_rock {
 bool pl_rock_set(const pl_rock_field *field, const pl_terrain *terrain, const pl_scatter_site *site,
                  pl_rock *rock, pl_rock_shape *shape);
 
+/* Returns a bound of the height over the ground of a site's rock, by its shape alone: fast. */
+double pl_rock_height_bound_m(const pl_rock_field *field, const pl_scatter_site *site);
+
 /* Finds the rock of an id; false if there is none. */
 bool pl_rock_find(const pl_rock_field *field, const pl_terrain *terrain, uint64_t id, pl_rock *rock,
                   pl_rock_shape *shape);
@@ -81,6 +86,15 @@ typedef pl_status (*pl_rock_site_fn)(void *context, const pl_scatter_site *site)
  * that at the centres of faces), larger octaves first. */
 pl_status pl_rock_sites(const pl_rock_field *field, const pl_rock_square *square,
                         pl_rock_site_fn visit, void *context);
+
+/* Sites with centres within radius_m plus so many of their own diameters (along the ground) of a
+ * place, with diameters in [min_m, max_m). */
+typedef struct pl_rock_reach {
+  double radius_m, diameters, min_m, max_m;
+} pl_rock_reach;
+/* Visits them by faces; a coarser cell before its parts. */
+pl_status pl_rock_sites_near(const pl_rock_field *field, pl_vec3 direction,
+                             const pl_rock_reach *reach, pl_rock_site_fn visit, void *context);
 
 /* Lists the rocks with centres within radius_m (along the ground) of a direction, with diameters in
  * [min_m, max_m). *out is freed with pl_free. PL_E_RANGE if more than PL_ROCK_LIST_MOST are to be

@@ -169,30 +169,46 @@ static pl_rock_family_kind family_of(const pl_rock_field *field, double u) {
   return (pl_rock_family_kind)k;
 }
 
+static void draw_shape(const pl_rock_field *field, uint64_t id, pl_rock_shape *shape) {
+  uint64_t words[4];
+  pl_scatter_words(&field->scatter, id, FOR_SHAPE, words);
+  pl_rock_shape_draw(family_of(field, pl_philox_double(words[3])), words, shape);
+}
+
+/* Least part of the height that is below the ground, of the third random word of a seat. */
+static double burial_of(const pl_rock_field *field, uint64_t word) {
+  const pl_rock_frame *frame = &field->frame;
+  return frame->least_burial + (frame->most_burial - frame->least_burial) * pl_philox_double(word);
+}
+
+double pl_rock_height_bound_m(const pl_rock_field *field, const pl_scatter_site *site) {
+  pl_rock_shape shape;
+  uint64_t seat[4];
+  draw_shape(field, site->id, &shape);
+  pl_scatter_words(&field->scatter, site->id, FOR_SEAT, seat);
+  return 2.0 * shape.radius * site->diameter_m * (1.0 - burial_of(field, seat[3]));
+}
+
 bool pl_rock_set(const pl_rock_field *field, const pl_terrain *terrain, const pl_scatter_site *site,
                  pl_rock *rock, pl_rock_shape *shape) {
-  uint64_t seat[4], words[4];
+  uint64_t seat[4];
   footing ground;
   pl_scatter_words(&field->scatter, site->id, FOR_SEAT, seat);
-  pl_scatter_words(&field->scatter, site->id, FOR_SHAPE, words);
   find_plane(terrain, site, &ground);
   if (!stays(field, ground.slope_rad, pl_philox_double(seat[0])))
     return false;
+  draw_shape(field, site->id, shape);
   *rock = (pl_rock){.id = site->id,
-                    .family = family_of(field, pl_philox_double(words[3])),
+                    .family = shape->family - pl_rock_families,
                     .diameter_m = site->diameter_m,
                     .slope_rad = ground.slope_rad,
                     .direction = site->direction,
                     .up = ground.up};
-  pl_rock_shape_draw((pl_rock_family_kind)rock->family, words, shape);
-  const pl_rock_frame *frame = &field->frame;
   const double yaw = 2.0 * PL_PI * pl_philox_double(seat[1]);
   /* Uniform over the cap of tilts; both halves of one word. */
   const double tilt = TILT_MOST_RAD * sqrt((double)(seat[2] >> 32) * 0x1p-32);
   const double towards = 2.0 * PL_PI * (double)(seat[2] & 0xffffffffu) * 0x1p-32;
   rock->rotation = orient(ground.up, yaw, tilt, towards);
   find_contacts(&ground, rock, shape);
-  const double burial =
-      frame->least_burial + (frame->most_burial - frame->least_burial) * pl_philox_double(seat[3]);
-  return sink(&ground, shape, burial, rock);
+  return sink(&ground, shape, burial_of(field, seat[3]), rock);
 }

@@ -154,7 +154,8 @@ class FrameRequest(TypedDict):
     sensor: NotRequired[Mapping[str, Any] | None]  # see perilune.camera.imaging.sensor_of
     # (bands, 3): part of the sun's irradiance that each gathers of red, green and blue reflectances
     bands: NotRequired[F64]
-    # {"baselines_m": (n,), at most 8, "points": of a disc, 8 to 256}: channels of the ground
+    # Of channels of the ground: {"baselines_m": (n,), at most 8; "points" of a disc, 8 to 256;
+    # "hazard": footprint in m, and the greatest slope in rad, RMS height in m and rock in m}
     ground_labels: NotRequired[Mapping[str, Any] | None]
     amodal: NotRequired[bool]  # whether objects get the labels of their full silhouettes (True)
 

@@ -72,6 +72,10 @@ static inline pl_frame_request request_all(const stage *s, const film *f) {
       .objects = f->objects,
       .masks = f->masks,
       .amodal = true,
+      .ground = {.baselines_m = {10.0, 40.0}, /* as many as levels: pl_channel_elements */
+                 .baseline_count = 2,
+                 .disc_points = 16,
+                 .hazard = {5.0, 0.2, 0.1, 0.3}},
   };
   for (size_t i = 0; i < pl_channel_count; i++)
     request.channels[i] = f->channels[i];

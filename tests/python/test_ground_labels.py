@@ -21,6 +21,7 @@ from tests.python.test_terrain_frames import (
 )
 
 import perilune
+from perilune.bodies.rocks import rock_field
 
 F64 = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -128,24 +129,24 @@ def test_waves_have_their_slope_and_roughness(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("baseline_m", [1.0, 30.0])
 def test_planes_are_those_of_least_squares(baseline_m: float) -> None:
-    """Beside numpy's through many random heights of the same disc."""
+    """Beside numpy's through the heights of a square lattice in the same disc."""
     ground = moon(ROUGH, {"trajectory": over(300.0)}).terrain(0)
     east, north, up = axes()
     rng = np.random.default_rng(11)
     places = up + (rng.uniform(-300.0, 300.0, (12, 2)) / MOON_M) @ np.stack([east, north])
     found = ground.planes(places, baseline_m, 256)
+    lattice = np.stack(np.meshgrid(*2 * [np.linspace(-0.5, 0.5, 37)]), axis=-1).reshape(-1, 2)
+    xy = baseline_m * lattice[np.hypot(*lattice.T) < 0.5]
     for place, (slope, rough) in zip(places, found, strict=True):
         up_here = place / np.linalg.norm(place)
         a = np.cross(up_here, [0.3, 0.2, 0.9])
         a /= np.linalg.norm(a)
-        r, turn = 0.5 * baseline_m * np.sqrt(rng.uniform(size=800)), rng.uniform(0, 7, 800)
-        xy = np.stack([r * np.cos(turn), r * np.sin(turn)], axis=1)
         ways = up_here + (xy / MOON_M) @ np.stack([a, np.cross(up_here, a)])
         heights = ground.heights(ways, baseline_m / 8.0)
-        design = np.concatenate([xy, np.ones((800, 1))], axis=1)
+        design = np.concatenate([xy, np.ones((len(xy), 1))], axis=1)
         plane, rest, *_ = np.linalg.lstsq(design, heights, rcond=None)
         assert np.hypot(*plane[:2]) == pytest.approx(np.tan(slope), abs=0.004)
-        assert np.sqrt(rest[0] / 800) == pytest.approx(rough, rel=0.08)
+        assert np.sqrt(rest[0] / len(xy)) == pytest.approx(rough, rel=0.05)
 
 
 @settings(max_examples=6, deadline=None)
@@ -171,9 +172,82 @@ def test_baselines_know_no_camera(height_m: float, off_nadir_deg: float, cells: 
     assert np.isnan(sample["rms_height"][~seen]).all()
 
 
+LIMITS = {"footprint_m": 6.0, "max_slope_deg": 9.0, "max_roughness_m": 0.09,
+          "max_rock_height_m": 0.25}  # fmt: skip
+
+
+def hazards_of(sim: perilune.Simulation, places: F64, points: int = 32) -> F64:
+    """Bits at places (n, 3) in body axes, rock by rock."""
+    limits, moon_terrain = sim.config.labels.ground.hazard, sim.config.bodies["moon"].terrain
+    ways = places / np.linalg.norm(places, axis=1, keepdims=True)
+    planes = sim.terrain(0).planes(ways, limits.footprint_m, points)
+    bits = np.where(planes[:, 0] > np.radians(limits.max_slope_deg), 1, 0)
+    bits += np.where(planes[:, 1] > limits.max_roughness_m, 2, 0)
+    assert moon_terrain is not None
+    assert moon_terrain.rocks is not None
+    field = rock_field(moon_terrain.rocks, MOON_M)
+    middle = ways.mean(axis=0)
+    middle /= np.linalg.norm(middle)
+    far_m = MOON_M * np.linalg.norm(ways - middle, axis=1).max() + 30.0
+    rocks = field.list(sim.terrain(0), middle, far_m, 0.115)
+    near = np.zeros(len(ways), dtype=bool)
+    for rock in rocks[rocks["height_m"] > limits.max_rock_height_m]:
+        away_m = MOON_M * np.linalg.norm(ways - rock["direction"], axis=1)
+        near |= away_m < 0.5 * (limits.footprint_m + rock["diameter_m"])
+    return bits + np.where(near, 4, 0)
+
+
+@pytest.mark.parametrize(("height_m", "off_nadir_deg"), [(60.0, 20.0), (2.0, 70.0), (150.0, 0.0)])
+def test_hazards_are_those_of_planes_and_rocks(height_m: float, off_nadir_deg: float) -> None:
+    """Beside the same rule, rock by rock; off the ground nothing is known."""
+    terrain = ROUGH | {"rocks": {"seed": 3, "min_diameter_m": 0.1}}
+    camera = {"trajectory": over(height_m, off_nadir_deg), "width": 40, "height": 30}
+    sim = moon(terrain, camera, labels={"ground": {"hazard": LIMITS}})
+    sample = sim.frame(0, ["hazard", "position", "range"])
+    seen = (sample["range"] > 0.0) & (sample["range"] < 300.0 + height_m)
+    found = sample["hazard"][seen]
+    np.testing.assert_array_equal(found, hazards_of(sim, in_body_axes(sim, sample)[seen]))
+    assert (sample["hazard"][~(sample["range"] > 0.0)] == 128).all()
+    for bit in (1, 2, 4):
+        assert 0.002 < ((found & bit) > 0).mean() < 1.0 or height_m < 10.0
+
+
+def test_a_rock_is_a_hazard_within_half_a_footprint_of_it() -> None:
+    """On a plain: a disc, as wide as rock and footprint together; lower rocks are none."""
+    rocks = {"law": "power", "coefficient": 8e-3, "exponent": -3.0, "min_diameter_m": 1.0,
+             "max_diameter_m": 2.5, "seed": 1}  # fmt: skip
+    camera = {"trajectory": over(60.0), "width": 96, "height": 96}
+    counts = []
+    for limit_m in (0.2, 0.9):
+        limits = LIMITS | {"max_rock_height_m": limit_m, "footprint_m": 4.0}
+        sim = moon(
+            {"detail": {"strength": 1e-4}, "rocks": rocks},
+            camera,
+            labels={"ground": {"hazard": limits}},
+        )
+        sample = sim.frame(0, ["hazard", "position"])
+        np.testing.assert_array_equal(np.unique(sample["hazard"]), [0, 4])
+        places = in_body_axes(sim, sample).reshape(-1, 3)
+        field = rock_field(sim.config.bodies["moon"].terrain.rocks, MOON_M)  # type: ignore
+        found = field.list(sim.terrain(0), axes()[2], 20.0, 0.5)
+        high = found[found["height_m"] > limit_m]
+        apart = MOON_M * np.linalg.norm(high["direction"][:, None] - high["direction"], axis=2)
+        lonely = high[(apart + 99.0 * np.eye(len(high)) > 9.0).all(axis=1)]
+        assert len(lonely) >= 1
+        pixel_m2 = (60.0 * 2.0 * np.tan(np.radians(25.0)) / 96) ** 2
+        for rock in lonely:
+            away_m = np.linalg.norm(places - rock["center"], axis=1)
+            area_m2 = (sample["hazard"].ravel()[away_m < 4.5] == 4).sum() * pixel_m2
+            assert area_m2 == pytest.approx(np.pi / 4 * (4.0 + rock["diameter_m"]) ** 2, rel=0.15)
+        counts.append((sample["hazard"] == 4).sum())
+    assert counts[0] > 1.5 * counts[1]
+
+
 def test_threads_do_not_matter() -> None:
-    sim = moon(ROUGH, {"trajectory": over(2e3, 30.0)}, labels={"ground": {"baseline_m": 40}})
-    names = ["slope_sobel", "roughness_laplacian", "slope_baseline", "rms_height"]
+    ground = {"baseline_m": 40, "hazard": LIMITS}
+    terrain = ROUGH | {"rocks": {"seed": 3}}
+    sim = moon(terrain, {"trajectory": over(50.0, 30.0)}, labels={"ground": ground})
+    names = ["slope_sobel", "roughness_laplacian", "slope_baseline", "rms_height", "hazard"]
     one, three = (sim.frame(0, names, threads=n) for n in (1, 3))
     for name in names:
         np.testing.assert_array_equal(one[name], three[name])
@@ -200,6 +274,8 @@ def test_smooth_bodies_are_flat_and_have_no_baselines() -> None:
     keys = ("kind", "target", "lon_deg", "lat_deg", "height_m")
     camera = {"trajectory": {key: over(100e3)[key] for key in keys}}
     bodies = {"moon": {"kind": "moon", "albedo": 0.3}}
-    sample = moon({}, camera, bodies=bodies).frame(0, ["slope_sobel", "slope_baseline"])
+    names = ["slope_sobel", "slope_baseline", "hazard"]
+    sample = moon({}, camera, bodies=bodies).frame(0, names)
     assert np.nanmax(sample["slope_sobel"]) < 1e-6
     assert np.isnan(sample["slope_baseline"]).all()
+    assert (sample["hazard"] == 128).all()

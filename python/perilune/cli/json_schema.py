@@ -204,7 +204,7 @@ def _with_drivers(node: Any) -> Any:
     return node
 
 
-_UNDRIVEN = ("Drivers", "DriverGroup", "Labels", "GroundLabels")
+_UNDRIVEN = ("Drivers", "DriverGroup", "Labels", "GroundLabels", "Hazard")
 """Sections without drivers."""
 
 

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 from pydantic import BeforeValidator, Field, model_validator
 
 from perilune.config.errors import fail, nearest
-from perilune.config.types import Integer, Positive, Strict, refuse_drawn
+from perilune.config.types import Integer, Positive, StaticNonNegative, Strict, refuse_drawn
 
 LEVELS = ("kind", "object", "part")
 """Levels that every object has."""
@@ -31,9 +31,25 @@ def _several(value: Any) -> Any:
     return value if isinstance(value, (list, tuple, Mapping, str, type(None))) else (value,)
 
 
+class Hazard(Strict):
+    """What a lander cannot stand on, for the channel `hazard`: a plane is laid through its
+    footprint about each point."""
+
+    footprint_m: Annotated[Positive, BeforeValidator(refuse_drawn)] = 10.0
+    """Diameter of the footprint, over the feet."""
+    max_slope_deg: Annotated[
+        float, Field(strict=True, ge=0.0, le=90.0), BeforeValidator(refuse_drawn)
+    ] = 10.0
+    """Greatest slope of the plane that is safe."""
+    max_roughness_m: StaticNonNegative = 0.2
+    """Greatest RMS height of the ground over the plane that is safe."""
+    max_rock_height_m: StaticNonNegative = 0.3
+    """Greatest height over the ground of any rock that touches the footprint."""
+
+
 class GroundLabels(Strict):
-    """The ground around a point, for the channels `slope_baseline` and `rms_height`: functions of
-    the place, whatever the camera."""
+    """The ground around a point, for the channels `slope_baseline`, `rms_height` and `hazard`:
+    functions of the place, whatever the camera."""
 
     baseline_m: Annotated[
         tuple[Positive, ...],
@@ -45,6 +61,8 @@ class GroundLabels(Strict):
     each layer of the channels."""
     points: Annotated[Integer, Field(ge=8, le=256)] = 32
     """Heights in the disc. Time grows with them; docs/labels.md has their errors."""
+    hazard: Hazard = Hazard.of_defaults()
+    """Limits of a lander."""
 
 
 class CraterLabels(Strict):

@@ -17,6 +17,8 @@ from perilune.frame.html import taxonomy_html
 from perilune.spacecraft.parts import PartEntry
 
 BACKGROUND = "background"
+HAZARDS = {0: "safe", 1: "slope", 2: "roughness", 4: "rocks", 128: "unknown"}
+"""Bits of the channel `hazard`, which are summed."""
 _SURFACE = "surface"
 _IDS_MAX = 65535
 
@@ -66,7 +68,7 @@ class Taxonomy:
     def channel_names(self) -> dict[str, dict[int, str]]:
         """`names` of instance, part, semantic/0, semantic/1 ..."""
         channels = ["instance", "part", *(f"semantic/{k}" for k in range(len(self.levels)))]
-        return {channel: self.names(channel) for channel in channels}
+        return {channel: self.names(channel) for channel in channels} | {"hazard": HAZARDS}
 
     def class_ids(self, *names: Mapping[str, str]) -> NDArray[np.uint16]:
         """(n, levels): class ids of objects given by their class name at each level; 0 without

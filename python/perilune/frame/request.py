@@ -157,7 +157,17 @@ def _exposure(exposure: Exposure) -> _core.Exposure:
 
 
 def _ground_labels(ground: GroundLabels) -> dict[str, Any]:
-    return {"baselines_m": np.array(ground.baseline_m), "points": ground.points}
+    limits = ground.hazard
+    return {
+        "baselines_m": np.array(ground.baseline_m),
+        "points": ground.points,
+        "hazard": (
+            limits.footprint_m,
+            np.radians(limits.max_slope_deg),
+            limits.max_roughness_m,
+            limits.max_rock_height_m,
+        ),
+    }
 
 
 def _motion(config: Config, keys: Keys | None) -> dict[str, Any] | None:

@@ -52,6 +52,7 @@ def test_every_channel_of_the_core_is_on_disk_as_it_is(dataset, sim):
         "semantic",
         "part",
         "instance",
+        "hazard",
     }
     names = {"0": "background", "1": "planet", "2": "probe", "3": "mate"}
     assert info["labels"]["instance"] == names

@@ -21,6 +21,7 @@ from perilune.camera import bands
 from perilune.document.references import MASKS, OBJECTS, OF_SENSOR
 from perilune.export.writers.bop_files import PNG_LEVEL, RGB_FOLDER, write_bytes
 from perilune.frame.craters import bodies_with
+from perilune.frame.labels import HAZARDS
 from perilune.frame.request import channel_layout
 from perilune.simulation import Simulation
 
@@ -118,6 +119,8 @@ def label_names(sim: Simulation, channels: Iterable[str]) -> dict[str, Any]:
             found[channel] = [{"level": level, "names": names_of(level)} for level in levels]
         elif channel in ("instance", "part"):
             found[channel] = names_of(channel)
+        elif channel == "hazard":
+            found[channel] = {str(bit): name for bit, name in HAZARDS.items()}
     return found
 
 
@@ -138,6 +141,8 @@ def _files_of(sim: Simulation, name: str) -> ChannelFiles:
         shape, dtype = channel_layout(config.model_copy(update={"camera": camera}), name)
         counts.add(shape[2] if len(shape) == 3 else 0)
     components = counts.pop() if len(counts) == 1 else None
+    if dtype == np.uint8 and name not in OF_SENSOR and components == 0:
+        return ChannelFiles(PNG, dtype.name, 0)
     if name in _NAMED and components in range(4):
         largest = _largest_id(sim, name)
         if largest <= _LARGEST_8:

@@ -186,6 +186,26 @@ def bands_panel(name: str, values: Array, context: Context) -> list[Panel]:
     ]
 
 
+_HAZARD_COLORS = {1: (224, 152, 62), 2: (96, 134, 214), 4: (204, 70, 70)}
+_SAFE = (70, 146, 92)
+
+
+def hazard_panel(name: str, values: Array, context: Context) -> list[Panel]:
+    """Safe ground green; of several hazards the mean of their colours."""
+    image = np.empty((*values.shape, 3), dtype=np.uint8)
+    image[:] = colors.EMPTY
+    names = context.names.get(name, {})
+    swatches = []
+    for number in np.unique(values[values < 8]).tolist():
+        bits = [bit for bit in _HAZARD_COLORS if number & bit]
+        mixed = np.mean([_HAZARD_COLORS[bit] for bit in bits] if bits else [_SAFE], axis=0)
+        color = np.rint(mixed).astype(np.uint8)
+        image[values == number] = color
+        told = " + ".join(names.get(bit, str(bit)) for bit in bits or [0])
+        swatches.append((color, told))
+    return [Panel(name, image, text="" if swatches else "no ground in view", swatches=swatches)]
+
+
 Kind = Callable[[str, Array, Context], list[Panel]]
 
 KINDS: dict[str, Kind] = {
@@ -200,6 +220,7 @@ KINDS: dict[str, Kind] = {
     "semantic": levels_panel,
     "slope_baseline": layers_panel,
     "rms_height": layers_panel,
+    "hazard": hazard_panel,
 }
 """Channels with a panel of their own; others are shown by their shape and type."""
 
