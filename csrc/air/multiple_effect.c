@@ -14,17 +14,21 @@ static const char *absent(const pl_view *view) {
 }
 
 /* Upper bound of what it adds to the light of the air itself and, through skylight, to that of the
- * ground. */
+ * ground; of that by which it is off, if it is on. It is off because light that is scattered again
+ * is isotropic: on the ground by no more than there is, as at most twice the half that isotropic
+ * light sends down can come down. For the field that the light is scattered from; of higher orders
+ * the field is off, too, by less than the Monte Carlo of tests/python/test_twilight.py sees. */
 static double bound_dn(const pl_view *view, int value) {
   double radiance = 0.0;
-  for (size_t i = 0; value == 0 && i < view->thing_count; i++) {
+  for (size_t i = 0; i < view->thing_count; i++) {
     const pl_view_thing *body = &view->things[i];
     const double share = pl_air_share(view, body);
     if (share == 0.0)
       continue;
     const pl_air_reach reach = pl_air_reach_of(body->air);
-    radiance += share * body->irradiance *
-                (reach.several + body->albedo_max * reach.sky / 3.14159265358979);
+    const double ground = body->albedo_max * reach.sky / 3.14159265358979;
+    const double off = reach.again + ground, added = value == 0 ? reach.several + ground : 0.0;
+    radiance += share * body->irradiance * (off + added);
   }
   return pl_view_dn(view, radiance);
 }

@@ -29,6 +29,14 @@ static double longest(const pl_air *air, int part) {
  * oblate body, rays may be longer than the mean radius gives, by less than this factor. */
 static const double OBLATE = 1.1;
 
+/* What is scattered again is at most the largest value of the phase function times the field that
+ * it is scattered from, and isotropic here: off by the difference of the two at most. Rayleigh's
+ * phase function is 0.75 to 1.5 times the isotropic one. */
+static double again_of(const pl_air *air, const double depths[2], double most) {
+  const double gas = 0.5, haze = fmax(4.0 * PL_PI * peak(&air->settings) - 1.0, 0.25);
+  return most * (gas * -expm1(-depths[0]) + haze * -expm1(-depths[1]));
+}
+
 void pl_air_build_reach(pl_air *air) {
   pl_air_reach out = {0};
   const double depths[2] = {OBLATE * longest(air, 0), OBLATE * longest(air, 1)};
@@ -42,6 +50,7 @@ void pl_air_build_reach(pl_air *air) {
     for (int k = 0; k < PL_AIR_MULTIPLE_SINES; k++)
       largest = fmax(largest, (double)pl_vec3f_max(air->several[i][k]));
   out.several = largest * -expm1(-depths[0] - depths[1]);
+  out.again = again_of(air, depths, largest);
   for (int k = 0; k < PL_AIR_SKY; k++)
     out.sky = fmax(out.sky, (double)pl_vec3f_max(air->sky[1][k]));
   pl_air_measure_steps(air, out.depth, out.steps_off);

@@ -18,6 +18,7 @@ typedef struct pl_air_reach {
   double depth;     /* optical depth of the longest path through the air, past the limb */
   double scattered; /* radiance of single scattering, 1/sr */
   double several;   /* radiance of higher orders, 1/sr */
+  double again;     /* by how much these are off, as they are isotropic: at most, 1/sr */
   double sky;       /* irradiance of the sky on the ground */
   double steps_off[PL_AIR_RULES];
 } pl_air_reach;

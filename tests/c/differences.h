@@ -52,6 +52,12 @@ static inline pl_frame_result measure(const stage *s, pl_renderer *renderer, ask
   return result;
 }
 
+/* What a row of a plan may change beside a frame with every effect on. The residual of multiple
+ * scattering, if it is on, is that of isotropic light, which such a frame has, too. */
+static inline double left_out_dn(const pl_plan_row *row) {
+  return row->effect == &pl_effect_multiple_scattering && row->value > 0 ? 0.0 : row->residual_dn;
+}
+
 /* Largest difference beyond the noise, in digital numbers: five standard errors either way in
  * linear light (with six seeds a t value passed once in 2e3 pixels), and 0.1. A pixel in a thousand
  * may pass. */

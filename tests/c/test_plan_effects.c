@@ -104,7 +104,7 @@ static double allowance(const pl_plan *plan, const stage *s, double tolerance_dn
   double sum = tolerance_dn * (double)(s->scene.object_count + s->scene.body_count);
   for (size_t i = 0; i < plan->count; i++)
     if (strcmp(plan->rows[i].effect->name, "antialiasing") != 0) /* forced to the same in both */
-      sum += plan->rows[i].residual_dn;
+      sum += left_out_dn(&plan->rows[i]);
   return sum;
 }
 

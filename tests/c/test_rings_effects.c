@@ -68,7 +68,7 @@ static double allowance(const pl_plan *plan, uint64_t same, double tolerance_dn)
   double sum = 3.0 * tolerance_dn; /* culling, for each thing */
   for (size_t i = 0; i < plan->count; i++)
     if ((same >> i & 1u) == 0)
-      sum += plan->rows[i].residual_dn;
+      sum += left_out_dn(&plan->rows[i]);
   return sum;
 }
 
