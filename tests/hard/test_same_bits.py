@@ -8,6 +8,7 @@ map, in small.
 from __future__ import annotations
 
 import hashlib
+import itertools
 import multiprocessing
 import pickle
 import random
@@ -15,10 +16,12 @@ import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
 import yaml
+from PIL import Image
 
 import perilune
 from perilune.document.loader import read_tree
@@ -28,7 +31,7 @@ FRAMES = range(10)
 JITTER = {"ideal": 40.0, "jitter_variance": 9.0, "clip_min": 30.0, "clip_max": 50.0}
 
 
-def crowd(root):
+def crowd(root, maps):
     """The small scene as a tree with absolute paths: two satellites, one behind the other."""
     tree = read_tree(root / "tests/python/scene.yaml")
     sat = tree["spacecraft"]["sat"]
@@ -41,14 +44,14 @@ def crowd(root):
         {"node": "panel_right_2", "axis": [0, 1, 0], "rate_deg_s": 3.0},
         {"node": "high_gain_antenna", "axis": [1, 0, 1], "angle_deg": JITTER},
     ]
-    tree["bodies"]["earth"]["color_map"] = str(root / "assets/maps/earth_like.jpg")
+    tree["bodies"]["earth"]["color_map"] = str(maps / "earth_like.png")
     tree["camera"] |= {"fov_deg": JITTER, "exposure_time_s": 0.01, "sensor": {}}
     tree["camera"]["line_time_us"] = 900.0
     tree["render"] |= {"samples": 3, "max_bounces": 2}
     return tree
 
 
-def demo(root):
+def demo(root, maps):
     tree = read_tree(root / "configs/demo.yaml")
     tree["camera"] |= {"width": 40, "height": 30, "sensor": {"mosaic": "mono"}}  # several tiles
     tree["render"] |= {"samples": 4, "max_bounces": 2}
@@ -56,7 +59,7 @@ def demo(root):
         craft["model"] = str((root / "configs" / craft["model"]).resolve())
     planet = tree["bodies"]["planet"]
     for section, key in ((planet, "color_map"), (planet["clouds"], "map")):
-        section[key] = str((root / "configs" / section[key]).resolve())
+        section[key] = str(maps / Path(section[key]).with_suffix(".png").name)
     for material in tree["materials"].values():
         material["file"] = str((root / "configs" / material["file"]).resolve())
     return tree
@@ -65,9 +68,19 @@ def demo(root):
 SCENES = {"crowd": crowd, "demo": demo}
 
 
+@pytest.fixture(scope="module")
+def small_maps(request, tmp_path_factory):
+    """The maps in small: every process and every simulation reads them anew."""
+    folder = tmp_path_factory.mktemp("maps")
+    for path in (request.config.rootpath / "assets/maps").glob("*.jpg"):
+        with Image.open(path) as picture:
+            picture.resize((512, 256)).save(folder / f"{path.stem}.png")
+    return folder
+
+
 @pytest.fixture(scope="module", params=list(SCENES))
-def tree(request):
-    return SCENES[request.param](request.config.rootpath)
+def tree(request, small_maps):
+    return SCENES[request.param](request.config.rootpath, small_maps)
 
 
 @pytest.fixture(scope="module")
@@ -108,20 +121,17 @@ def same(found, reference):
         assert not differing, f"frame {index}: {differing}"
 
 
-@pytest.mark.parametrize("threads", [1, 2, 5])
+@pytest.mark.parametrize("threads", [2, 5])
 def test_threads(sim, reference, threads):
     same([frame_hashes(sim, index, threads) for index in FRAMES], reference)
 
 
-@pytest.mark.parametrize("order", ["reversed", "shuffled", "twice"])
-def test_order(sim, reference, order):
-    indices = {
-        "reversed": list(reversed(FRAMES)),
-        "shuffled": random.Random(7).sample(FRAMES, len(FRAMES)),
-        "twice": [index for index in FRAMES for _ in range(2)],
-    }[order]
-    found = {index: frame_hashes(sim, index, 2) for index in indices}
-    same([found[index] for index in FRAMES], reference)
+def test_order(sim, reference):
+    """Back and forth, and some frames twice in a row."""
+    shuffled = random.Random(7).sample(FRAMES, len(FRAMES))
+    assert any(a > b for a, b in itertools.pairwise(shuffled))
+    for index in [index for k, index in enumerate(shuffled) for _ in range(2 if k % 3 == 0 else 1)]:
+        same([frame_hashes(sim, index, 1)], [reference[index]])
 
 
 def test_frames_by_simulations_of_their_own(tree, reference):
@@ -142,7 +152,7 @@ def work(simulation, indices, threads, queue):
 @pytest.mark.filterwarnings("ignore:.*multi-threaded.*fork:DeprecationWarning")
 def test_worker_processes(sim, reference, method):
     """Three workers, each with every third frame and another number of threads; the parent has
-    rendered before it forks."""
+    rendered before it forks, and renders after."""
     frame_hashes(sim, 0, 2)
     context = multiprocessing.get_context(method)
     queue = context.Queue()
@@ -157,7 +167,7 @@ def test_worker_processes(sim, reference, method):
         worker.join(timeout=30)
         assert worker.exitcode == 0
     same([found[index] for index in FRAMES], reference)
-    same([frame_hashes(sim, index, 2) for index in FRAMES], reference)  # the parent's still works
+    same([frame_hashes(sim, index, 2) for index in (7, 2)], [reference[7], reference[2]])
 
 
 def test_dataset(sim, reference):
@@ -167,7 +177,7 @@ def test_dataset(sim, reference):
     same([late[index] for index in range(4)], reference[6:])
 
 
-@pytest.mark.parametrize("shards", [1, 2, 3])
+@pytest.mark.parametrize("shards", [1, 3])
 def test_stream_shards(sim, reference, shards):
     found = {}
     for part in range(shards):
@@ -220,10 +230,10 @@ def run(*arguments):
 
 
 @pytest.fixture(scope="module")
-def config(request, tmp_path_factory):
+def config(request, small_maps, tmp_path_factory):
     """The small scene: what a frame shows does not matter to files, and it is quick to open."""
     path = tmp_path_factory.mktemp("config") / "scene.yaml"
-    path.write_text(yaml.safe_dump(crowd(request.config.rootpath)))
+    path.write_text(yaml.safe_dump(crowd(request.config.rootpath, small_maps)))
     return path
 
 
