@@ -9,6 +9,7 @@
 #include "base/parallel.h"
 #include "light/emitters.h"
 #include "light/limb.h"
+#include "plan/effects.h"
 #include "render/air_path.h"
 #include "render/tile.h"
 #include "render/medium.h"
@@ -29,11 +30,10 @@ typedef struct pl_render_settings {
   uint64_t seed, frame; /* part of the key of all random numbers */
   int samples;          /* colour samples per pixel; 0: no colour, only labels */
   int bounces;          /* maximum number, on meshes */
-  bool body_bounces;    /* paths continue from bodies */
-  bool planetshine;     /* light that bodies reflect reaches other things */
   const pl_limb *limb;  /* limb darkening of the sun's disc, with soft_sun; NULL: uniform disc */
-  bool soft_sun, cast_shadows, clear_coat, transmission;
-  bool emission;    /* emission is visible to the camera */
+#define PL_FIELD(name) bool name;
+  PL_PATH_SWITCHES(PL_FIELD)
+#undef PL_FIELD
   pl_detail detail; /* of surfaces */
   bool exact;       /* every pixel is sampled; no closed form replaces its mean */
   int lods_down;    /* steps down from Hapke's law to cheaper ones, see reflectance_lod.h */

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, ClassVar, Self
 
 from perilune.drivers.common import (
@@ -33,6 +33,10 @@ class Clipped:
     low: tuple[float, ...]
     high: tuple[float, ...]
     jointly: bool
+    known: dict[float, list[float]] = field(
+        default_factory=dict, compare=False, repr=False, kw_only=True
+    )
+    """Standard deviations by strength; empty if nothing varies."""
 
     def varied(self, deviations: list[float], normals: list[float]) -> list[float]:
         """Unclipped values for standard normals. deviations: standard deviations."""
@@ -59,11 +63,15 @@ class Clipped:
         return f".{self.KEYS[0]}"
 
     def _deviations(self, strength: float) -> list[float]:
-        return [math.sqrt(variance * strength) for variance in self.variances]
+        found = self.known.get(strength)
+        if found is None:
+            found = [math.sqrt(variance * strength) for variance in self.variances]
+            found = self.known[strength] = found if any(found) else []
+        return found
 
     def needs(self, strength: float) -> Need | None:
         """Normals, if anything varies."""
-        if not any(self._deviations(strength)):
+        if not self._deviations(strength):
             return None
         return Need(True, 1 if self.jointly else len(self.variances))
 
@@ -74,10 +82,12 @@ class Clipped:
     def at(self, strength: float, normals: Callable[[], list[float]]) -> Any:
         """Value for standard normals, which are requested only if something varies."""
         deviations = self._deviations(strength)
-        if not any(deviations):
+        if not deviations:
             return self.ideal
         values = self.varied(deviations, normals())
-        return shaped(clip(values, self.low, self.high), self.count)
+        if self.count is None:
+            return min(max(values[0], self.low[0]), self.high[0])
+        return list(clip(values, self.low, self.high))
 
     @classmethod
     def parse(cls, name: str, raw: Mapping[str, Any]) -> Self:

@@ -107,6 +107,8 @@ _trees: Kept[_core.Tree] = Kept(32)
 
 def _key(value: Any) -> Hashable:
     """A hashable form of a specification; equal only for equal numbers."""
+    if type(value) is float:
+        return value.hex()  # 0.0 is not -0.0, and nan equals itself
     if isinstance(value, Mapping):
         return tuple((name, _key(value[name])) for name in sorted(value))
     if isinstance(value, np.ndarray):
@@ -116,7 +118,7 @@ def _key(value: Any) -> Hashable:
     if isinstance(value, (list, tuple)):
         return tuple(_key(item) for item in value)
     if isinstance(value, float):
-        return value.hex()  # 0.0 is not -0.0, and nan equals itself
+        return value.hex()
     hash(value)  # a TypeError here is a mistake in what was specified
     return (type(value), value)
 
