@@ -67,9 +67,6 @@ static inline pl_frame_request request_all(const stage *s, const film *f) {
       .wish = {.tolerance_dn = 0.5},
       .exposure = {.white_radiance = 1361.0 / PL_PI},
       .threads = 1,
-      .ground = {.baselines_m = {10.0, 20.0, 40.0, 80.0},
-                 .baseline_count = s->scene.levels, /* as many as film_lay_out counts */
-                 .disc_points = 8},
       .rgb = f->rgb,
       .radiance = f->radiance,
       .objects = f->objects,
