@@ -1,6 +1,7 @@
 /* Gathers the rays of a frame. */
 #include "frame/measure.h"
 
+#include "frame/height_fields.h"
 #include "light/sun.h"
 #include "render/coverage_mask.h"
 #include "render/geometry.h"
@@ -24,14 +25,15 @@ static void gather_primary(const pl_snapshot *shot, const pl_coverage *coverage,
                                                 .skip_body = PL_NO_BODY};
 }
 
-/* Collects one ray to the sun from each sunlit mesh point that a primary ray hits. */
+/* Collects one ray to the sun from each sunlit point of a mesh or of terrain that a primary ray
+ * hits. */
 static void gather_shadow(const pl_snapshot *shot, const pl_tracer *tracer, const rays *primary,
                           rays *out) {
   for (size_t i = 0; i < primary->count; i++) {
     pl_hit hit;
     pl_vertex vertex;
     pl_tracer_closest(tracer, &primary->items[i], &hit, 1, true, true);
-    if (!pl_surface_is_mesh(hit.surface_id))
+    if (pl_surface_is_none(hit.surface_id) || pl_surface_is_ellipsoid(hit.surface_id))
       continue;
     const pl_beam beam = {.direction = primary->items[i].direction};
     pl_vertex_locate(shot, &beam, &hit, false, &vertex);
@@ -42,7 +44,7 @@ static void gather_shadow(const pl_snapshot *shot, const pl_tracer *tracer, cons
   }
 }
 
-static pl_status measure(const pl_snapshot *shot, pl_accelerators *kept, pl_coverage *coverage,
+static pl_status measure(pl_snapshot *shot, pl_accelerators *kept, pl_coverage *coverage,
                          pl_arena *arena, int repeats, pl_ray_times *primary,
                          pl_ray_times *shadow) {
   const size_t pixels = (size_t)shot->camera.width * (size_t)shot->camera.height;
@@ -50,10 +52,8 @@ static pl_status measure(const pl_snapshot *shot, pl_accelerators *kept, pl_cove
   rays second = {pl_arena_alloc(arena, pixels, sizeof(pl_ray)), 0};
   if (first.items == NULL || second.items == NULL)
     return pl_fail(PL_E_MEMORY, "out of memory for rays");
-  for (size_t i = 0; i < shot->body_count; i++)
-    if (shot->bodies[i].has_terrain)
-      return pl_fail(PL_E_RANGE, "body '%s' has terrain: its rays are not measured",
-                     shot->bodies[i].body->name);
+  const pl_choice choice = {.terrain = true, .far_casters = true, .threads = 1};
+  PL_TRY(pl_height_fields_place(kept, &choice, arena, shot));
   const pl_tracer *tracer;
   PL_TRY(pl_geometry_tracer(kept, shot, arena, &tracer));
   PL_TRY(pl_coverage_update(coverage, shot, 0, shot->camera.height, 1, 1));

@@ -7,13 +7,14 @@
 
 #include "base/memory.h"
 #include "math/affine.h"
+#include "terrain/height_field.h"
 #include "trace/accelerator.h"
 
 enum { PACKET = 8, REPEATS_MAX = 64 };
 
 static double now_s(void) {
   struct timespec t;
-  clock_gettime(CLOCK_MONOTONIC, &t);
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t); /* others may run beside it */
   return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
@@ -46,12 +47,63 @@ static void pack(const pl_ray *rays, size_t count, struct RTCRayHit8 *packets) {
   }
 }
 
-/* Returns a scene of Embree instances, the usual way to place meshes with Embree. */
-static RTCScene instances_of(const pl_accelerators *kept, const pl_tracer *tracer) {
+/* A geometry of points in body axes around an origin, which are placed as rays see them. */
+static RTCGeometry points_of(const pl_accelerators *kept, enum RTCGeometryType type,
+                             const pl_shot_body *body, pl_vec3 origin, const float (*points)[3],
+                             size_t count) {
+  RTCGeometry geometry = rtcNewGeometry(kept->device, type);
+  float *out = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                       3 * sizeof(float), count);
+  for (size_t k = 0; out != NULL && k < count; k++) {
+    const pl_vec3 p = {(double)points[k][0], (double)points[k][1], (double)points[k][2]};
+    const pl_vec3 at = pl_mat3_mul_vec(body->rotation, pl_vec3_add(origin, p));
+    const pl_vec3f placed = pl_vec3_to_float(pl_vec3_add(body->center, at));
+    out[3 * k] = placed.x;
+    out[3 * k + 1] = placed.y;
+    out[3 * k + 2] = placed.z;
+  }
+  return geometry;
+}
+
+static void attach(RTCScene top, RTCGeometry geometry) {
+  rtcCommitGeometry(geometry);
+  rtcAttachGeometry(top, geometry);
+  rtcReleaseGeometry(geometry);
+}
+
+/* Attaches the grid and the rocks of each tile to one scene, without instances. */
+static void attach_ground(const pl_accelerators *kept, const pl_shot_body *body, RTCScene top) {
+  enum { SIDE = PL_GROUND_TILE_SIDE };
+  for (size_t k = 0; k < body->field->count; k++) {
+    const pl_ground_tile *tile = body->field->tiles[k];
+    const pl_ground_rocks *rocks = tile->rocks;
+    RTCGeometry grid = points_of(kept, RTC_GEOMETRY_TYPE_GRID, body, tile->origin, tile->positions,
+                                 (size_t)SIDE * SIDE);
+    struct RTCGrid *shape =
+        rtcSetNewGeometryBuffer(grid, RTC_BUFFER_TYPE_GRID, 0, RTC_FORMAT_GRID, sizeof *shape, 1);
+    if (shape != NULL)
+      *shape = (struct RTCGrid){0, SIDE, SIDE, SIDE};
+    attach(top, grid);
+    if (rocks == NULL)
+      continue;
+    RTCGeometry mesh = points_of(kept, RTC_GEOMETRY_TYPE_TRIANGLE, body, tile->origin,
+                                 (const float(*)[3])rocks->positions, rocks->vertex_count);
+    rtcSetSharedGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, rocks->triangles,
+                               0, 3 * sizeof(uint32_t), rocks->triangle_count);
+    attach(top, mesh);
+  }
+}
+
+/* Returns a scene of Embree instances, the usual way to place meshes with Embree, and of grids. */
+static RTCScene scene_of(const pl_accelerators *kept, const pl_tracer *tracer) {
   RTCScene top = rtcNewScene(kept->device);
   rtcSetSceneFlags(top, RTC_SCENE_FLAG_ROBUST);
   for (size_t i = 0; i < tracer->instance_count; i++) {
     const pl_instance *at = &tracer->instances[i];
+    if (at->tiled) {
+      attach_ground(kept, pl_shot_body_of(tracer->snapshot, at->surface_id), top);
+      continue;
+    }
     const pl_affine to_mesh = {at->to_mesh, {0.0, 0.0, 0.0}}, linear = pl_affine_inverse(&to_mesh);
     const pl_vec3 origin = pl_vec3_sub(at->center, pl_mat3_mul_vec(linear.m, at->mesh_center));
     const pl_mat3 columns = pl_mat3_transpose(linear.m);
@@ -65,9 +117,7 @@ static RTCScene instances_of(const pl_accelerators *kept, const pl_tracer *trace
     RTCGeometry geometry = rtcNewGeometry(kept->device, RTC_GEOMETRY_TYPE_INSTANCE);
     rtcSetGeometryInstancedScene(geometry, at->scene);
     rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, to_view);
-    rtcCommitGeometry(geometry);
-    rtcAttachGeometry(top, geometry);
-    rtcReleaseGeometry(geometry);
+    attach(top, geometry);
   }
   rtcCommitScene(top);
   return top;
@@ -109,9 +159,6 @@ pl_status pl_tracer_measure(const pl_accelerators *kept, const pl_tracer *tracer
   bool occluded[BATCH];
   if (repeats < 1 || repeats > REPEATS_MAX)
     return pl_fail(PL_E_RANGE, "repeats must be in 1..%d, not %d", REPEATS_MAX, repeats);
-  for (size_t i = 0; i < tracer->instance_count; i++)
-    if (tracer->instances[i].tiled) /* instances within instances */
-      return pl_fail(PL_E_RANGE, "rays at terrain cannot be compared with Embree's instances");
   pl_arena arena; /* used for its alignment */
   pl_arena_init(&arena);
   struct RTCRayHit8 *packets =
@@ -119,7 +166,7 @@ pl_status pl_tracer_measure(const pl_accelerators *kept, const pl_tracer *tracer
   if (packets == NULL)
     return pl_fail(PL_E_MEMORY, "out of memory for %zu rays", count);
   pack(rays, count, packets);
-  RTCScene top = instances_of(kept, tracer);
+  RTCScene top = scene_of(kept, tracer);
   for (int i = 0; i < repeats; i++) {
     raw[i] = time_raw(top, packets, count, shadow);
     ours[i] = time_ours(tracer, rays, count, shadow, hits, occluded);

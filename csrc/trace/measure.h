@@ -6,7 +6,7 @@
 
 typedef struct pl_ray_times {
   size_t rays;
-  double ours_s; /* median time of pl_tracer_closest or pl_tracer_occluded over the repeats */
+  double ours_s; /* median CPU time of pl_tracer_closest or pl_tracer_occluded over the repeats */
   double raw_s;  /* median time of Embree's packet call alone on the same rays, packed beforehand */
 } pl_ray_times;
 

@@ -147,3 +147,12 @@ def test_far_casters_are_fine_where_their_shadows_are_seen(cone):
     assert 0.05 < true.mean() < 0.95
     assert (dark[()] != true).mean() < 0.01
     assert (dark[("far_casters",)] != true).mean() > 3.0 * max((dark[()] != true).mean(), 0.003)
+
+
+def test_rays_at_terrain_are_timed() -> None:
+    """Beside raw Embree: one ray through each pixel, and one to the Sun from what is lit."""
+    sim = moon({"detail": {"seed": SEED}}, {"trajectory": over(500.0)})
+    rays = sim.measure_rays(0, 1)
+    assert rays["primary"][0] == 64 * 48
+    assert 0.5 * 64 * 48 < rays["shadow"][0] <= 64 * 48
+    assert all(ours_s > 0.0 and raw_s > 0.0 for _, ours_s, raw_s in rays.values())
