@@ -178,7 +178,8 @@ const pl_channel pl_channels[] = {
     {"rock_id", "int64", 8, 0, "id", "rock on the ground; 0 where there is none", PL_BLANK_ZERO,
      pl_write_rock_id},
     {"crater_id", "int64", 8, 0, "id",
-     "smallest crater of the ground whose rim encloses the point; 0 where there is none, and on "
+     "smallest crater of the ground whose rim encloses the point, below 0 for those of a "
+     "catalogue; 0 where there is none, and on "
      "rocks",
      PL_BLANK_ZERO, pl_write_crater_id},
 };

@@ -164,9 +164,23 @@ static int stack_of(PyObject *given, const char *what, PyObject *kept, pl_raster
 }
 
 typedef struct parts {
-  PyObject *layers, *detail, *craters, *rocks, *albedo, *roughness;
+  PyObject *layers, *detail, *craters, *rocks, *albedo, *roughness, *known;
   double roughness_baseline_m;
 } parts;
+
+/* Reads (n, 4): unit direction and diameter of craters of a catalogue. */
+static int known_of(PyObject *given, PyArrayObject **array, pl_terrain_frame *frame) {
+  const npy_intp shape[2] = {-1, 4};
+  if (given == Py_None)
+    return 0;
+  *array = pl_py_array(given, "known_craters", NPY_DOUBLE, 2, shape);
+  if (*array == NULL)
+    return -1;
+  _Static_assert(sizeof(pl_known_crater) == 4 * sizeof(double), "a row of the array");
+  frame->known = PyArray_DATA(*array);
+  frame->known_count = (size_t)PyArray_DIM(*array, 0);
+  return 0;
+}
 
 static int create(terrain_object *self, const double radii_m[3], const parts *in) {
   pl_terrain_layer given[PL_TERRAIN_LAYERS];
@@ -185,7 +199,11 @@ static int create(terrain_object *self, const double radii_m[3], const parts *in
       stack_of(in->albedo, "albedo", self->kept, &albedo) < 0 ||
       stack_of(in->roughness, "roughness", self->kept, &roughness) < 0)
     return -1;
+  PyArrayObject *known = NULL;
+  if (known_of(in->known, &known, &frame) < 0)
+    return -1;
   const pl_status status = pl_terrain_create(&frame, &self->terrain);
+  Py_XDECREF((PyObject *)known);
   if (status == PL_OK)
     return 0;
   pl_py_raise(status);
@@ -193,15 +211,15 @@ static int create(terrain_object *self, const double radii_m[3], const parts *in
 }
 
 static PyObject *terrain_new(PyTypeObject *type, PyObject *args, PyObject *kwargs) {
-  static char *names[] = {"radii_m", "layers", "detail",    "craters",
-                          "rocks",   "albedo", "roughness", "roughness_baseline_m",
-                          NULL};
+  static char *names[] = {"radii_m",       "layers", "detail",    "craters",
+                          "rocks",         "albedo", "roughness", "roughness_baseline_m",
+                          "known_craters", NULL};
   PyObject *radii;
-  parts in = {NULL, Py_None, Py_None, Py_None, Py_None, Py_None, 0.0};
+  parts in = {NULL, Py_None, Py_None, Py_None, Py_None, Py_None, Py_None, 0.0};
   const npy_intp shape[1] = {3};
-  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "O|OOOOOOd:Terrain", names, &radii, &in.layers,
+  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "O|OOOOOOdO:Terrain", names, &radii, &in.layers,
                                    &in.detail, &in.craters, &in.rocks, &in.albedo, &in.roughness,
-                                   &in.roughness_baseline_m))
+                                   &in.roughness_baseline_m, &in.known))
     return NULL;
   PyArrayObject *array = pl_py_array(radii, "radii_m", NPY_DOUBLE, 1, shape);
   if (array == NULL)
@@ -454,7 +472,8 @@ static PyGetSetDef terrain_getset[] = {
 
 static PyType_Slot terrain_slots[] = {
     {Py_tp_doc, "Terrain(radii_m, layers=(), detail=None, craters=None, rocks=None, "
-                "albedo=None, roughness=None, roughness_baseline_m=0.0)\n--\n\nGround of a body."},
+                "albedo=None, roughness=None, roughness_baseline_m=0.0, "
+                "known_craters=None)\n--\n\nGround of a body."},
     {Py_tp_new, (void *)terrain_new},
     {Py_tp_dealloc, (void *)terrain_dealloc},
     {Py_tp_methods, terrain_methods},

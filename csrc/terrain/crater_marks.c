@@ -15,14 +15,16 @@ typedef enum verdict { UNKNOWN, COUNTS, COUNTS_NOT } verdict;
 typedef struct mark {
   pl_scatter_site site;
   pl_crater_draw draw;
+  bool known; /* of the catalogue: the id is its number, and of what is drawn only the axes count */
   verdict large, deep;
 } mark;
 
 typedef struct marks {
   const pl_terrain *terrain;
-  const pl_crater_field *field;
+  const pl_crater_field *field; /* NULL: none are drawn */
   const pl_crater_view *view;
   double least_rad; /* of diameter over distance */
+  double stretch;   /* bound of a rim's radius over R */
   bool full;
   size_t count;
   mark sites[SITES];
@@ -35,6 +37,7 @@ static pl_status keep(void *context, const pl_scatter_site *site) {
     return PL_E_RANGE; /* ends the visit */
   mark *at = &all->sites[all->count++];
   at->site = *site;
+  at->known = false;
   at->large = at->deep = UNKNOWN;
   pl_crater_draw_age(all->field, site, &at->draw);
   pl_crater_draw_shape(all->field, site, &at->draw);
@@ -51,9 +54,9 @@ static int by_size(const void *a, const void *b) {
 /* Whether the rim encloses a direction: that of pl_crater_add_heights. */
 static bool encloses(const marks *all, const mark *at, pl_vec3 direction) {
   const pl_crater_draw *draw = &at->draw;
-  const double radius = 0.5 * at->site.diameter_m / all->field->frame.radius_m;
+  const double radius = 0.5 * at->site.diameter_m / all->terrain->radius_m;
   const pl_vec3 to = pl_vec3_sub(direction, at->site.direction);
-  const double chord2 = pl_vec3_dot(to, to), most = all->field->stretch * radius;
+  const double chord2 = pl_vec3_dot(to, to), most = all->stretch * radius;
   if (chord2 > most * most)
     return false;
   const double sine2 = chord2 * (1.0 - 0.25 * chord2);
@@ -71,15 +74,15 @@ static bool encloses(const marks *all, const mark *at, pl_vec3 direction) {
 /* Share of the relief of a crater that younger ones left in a direction. */
 static double kept_at(const marks *all, const mark *at, pl_vec3 direction) {
   double kept = 1.0;
-  for (size_t k = 0; k < all->count; k++) {
+  for (size_t k = 0; k < all->count && !at->known; k++) {
     const mark *other = &all->sites[k];
-    if (other->site.diameter_m <= PL_CRATER_ERASE_RATIO * at->site.diameter_m ||
+    if (other->known || other->site.diameter_m <= PL_CRATER_ERASE_RATIO * at->site.diameter_m ||
         !pl_crater_younger(other->draw.age_ga, other->site.id, at->draw.age_ga, at->site.id))
       continue;
     const pl_vec3 to = pl_vec3_sub(direction, other->site.direction);
     kept *= 1.0 - pl_crater_erasure(other->site.diameter_m, at->site.diameter_m) *
-                      pl_crater_erasure_at(pl_vec3_dot(to, to), 0.5 * other->site.diameter_m /
-                                                                    all->field->frame.radius_m);
+                      pl_crater_erasure_at(pl_vec3_dot(to, to),
+                                           0.5 * other->site.diameter_m / all->terrain->radius_m);
   }
   return kept;
 }
@@ -97,6 +100,8 @@ static bool is_large(const marks *all, mark *at) {
 }
 
 static bool is_deep(const marks *all, mark *at) {
+  if (at->known)
+    return true;
   if (at->deep == UNKNOWN) {
     pl_crater crater = {.diameter_m = at->site.diameter_m, .tau = at->draw.tau};
     pl_crater_measure(all->field, &crater);
@@ -113,9 +118,46 @@ static int64_t find(marks *all, pl_vec3 direction) {
     mark *at = &all->sites[k];
     if (encloses(all, at, direction) && is_large(all, at) && is_deep(all, at) &&
         kept_at(all, at, direction) >= least)
-      return (int64_t)at->site.id;
+      return at->known ? -(int64_t)at->site.id : (int64_t)at->site.id;
   }
   return 0;
+}
+
+static void keep_known(marks *all, const pl_numbered_crater *from) {
+  all->full = all->full || all->count == SITES;
+  if (all->full)
+    return;
+  const pl_vec3 d = from->crater.direction;
+  const pl_vec3 other = fabs(d.z) < 0.7 ? (pl_vec3){0.0, 0.0, 1.0} : (pl_vec3){1.0, 0.0, 0.0};
+  mark *at = &all->sites[all->count++];
+  *at = (mark){
+      .site = {.id = (uint64_t)from->number, .direction = d, .diameter_m = from->crater.diameter_m},
+      .draw = {.axis_ratio = 1.0, .major = pl_vec3_unit(pl_vec3_cross(other, d))},
+      .known = true};
+  at->draw.minor = pl_vec3_cross(d, at->draw.major);
+}
+
+/* Adds craters of the catalogue, which is sorted by z. */
+static void add_known(marks *all, const pl_crater_query *query) {
+  const pl_terrain *terrain = all->terrain;
+  const double most = query->angle_rad + 0.5 * terrain->known_most_m / terrain->radius_m;
+  size_t first = 0, end = terrain->known_count;
+  while (first < end) {
+    const size_t middle = first + (end - first) / 2;
+    if (terrain->known[middle].crater.direction.z < query->axis.z - most)
+      first = middle + 1;
+    else
+      end = middle;
+  }
+  for (size_t k = first; k < terrain->known_count; k++) {
+    const pl_known_crater *crater = &terrain->known[k].crater;
+    if (crater->direction.z > query->axis.z + most)
+      return;
+    const pl_vec3 to = pl_vec3_sub(crater->direction, query->axis);
+    const double reach = query->angle_rad + 0.5 * crater->diameter_m / terrain->radius_m;
+    if (crater->diameter_m >= query->min_m && pl_vec3_dot(to, to) <= reach * reach)
+      keep_known(all, &terrain->known[k]);
+  }
 }
 
 /* Gathers the craters about points, the smallest first. Of too many, the largest octaves. */
@@ -138,12 +180,14 @@ static void gather(marks *all, const pl_vec3 *directions, const pl_vec3 *points,
   const pl_crater_query query = {.model = &model,
                                  .axis = axis,
                                  .angle_rad = 2.0 * asin(fmin(0.5 * sqrt(chord2), 1.0)),
-                                 .reach = fmax(all->field->stretch, PL_CRATER_ERASE_TO),
+                                 .reach = fmax(all->stretch, PL_CRATER_ERASE_TO),
                                  .min_m = 0.7 * PL_CRATER_ERASE_RATIO * least_m,
                                  .max_m = INFINITY};
   all->count = 0;
   all->full = false;
-  pl_crater_visit(all->field, &query, keep, all);
+  if (all->field != NULL)
+    pl_crater_visit(all->field, &query, keep, all);
+  add_known(all, &query);
   qsort(all->sites, all->count, sizeof all->sites[0], by_size);
 }
 
@@ -165,13 +209,14 @@ void pl_crater_marks(const pl_terrain *terrain, const pl_crater_view *view, cons
   marks all = {.terrain = terrain,
                .field = terrain->craters,
                .view = view,
-               .least_rad = view->criteria.least_px * view->pixel_rad};
+               .least_rad = view->criteria.least_px * view->pixel_rad,
+               .stretch = terrain->craters != NULL ? terrain->craters->stretch : 1.0};
   pl_vec3 directions[POINTS];
   for (size_t done = 0; done < count; done += POINTS) {
     const size_t part = count - done < POINTS ? count - done : POINTS;
     for (size_t k = 0; k < part; k++)
       directions[k] = pl_vec3_unit(points[done + k]);
-    if (terrain->craters != NULL)
+    if (terrain->craters != NULL || terrain->known_count > 0)
       mark_part(&all, directions, points + done, part, ids + done);
     else
       for (size_t k = 0; k < part; k++)

@@ -3,6 +3,7 @@
 
 #include <math.h>
 #include <stdatomic.h>
+#include <stdlib.h>
 
 #include "base/memory.h"
 #include "terrain/rock_field.h"
@@ -78,6 +79,27 @@ static pl_status check(const pl_terrain_frame *frame) {
   return frame->detail.on ? pl_terrain_detail_check(&frame->detail) : PL_OK;
 }
 
+static int by_z(const void *a, const void *b) {
+  const pl_numbered_crater *x = a, *y = b;
+  if (x->crater.direction.z != y->crater.direction.z)
+    return x->crater.direction.z < y->crater.direction.z ? -1 : 1;
+  return x->number < y->number ? -1 : x->number > y->number;
+}
+
+static pl_status copy_known(const pl_terrain_frame *frame, pl_terrain *t) {
+  void *memory;
+  t->known_count = frame->known_count;
+  t->known_most_m = 0.0;
+  PL_TRY(pl_alloc_or_fail(t->known_count, sizeof *t->known, "a catalogue of craters", &memory));
+  t->known = memory;
+  for (size_t k = 0; k < t->known_count; k++) {
+    t->known[k] = (pl_numbered_crater){frame->known[k], (int64_t)k + 1};
+    t->known_most_m = fmax(t->known_most_m, frame->known[k].diameter_m);
+  }
+  qsort(t->known, t->known_count, sizeof *t->known, by_z);
+  return PL_OK;
+}
+
 pl_status pl_terrain_create(const pl_terrain_frame *frame, pl_terrain **out) {
   void *memory;
   *out = NULL;
@@ -104,11 +126,19 @@ pl_status pl_terrain_create(const pl_terrain_frame *frame, pl_terrain **out) {
       layer->coarsest = t->detail.first;
   }
   pl_slope_table_init(t, frame->roughness_baseline_m);
-  *out = t;
-  return PL_OK;
+  const pl_status status = copy_known(frame, t);
+  if (status == PL_OK)
+    *out = t;
+  else
+    pl_free(t);
+  return status;
 }
 
-void pl_terrain_destroy(pl_terrain *terrain) { pl_free(terrain); }
+void pl_terrain_destroy(pl_terrain *terrain) {
+  if (terrain != NULL)
+    pl_free(terrain->known);
+  pl_free(terrain);
+}
 
 uint64_t pl_terrain_number(const pl_terrain *terrain) { return terrain->number; }
 

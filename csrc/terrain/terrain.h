@@ -38,6 +38,12 @@ typedef struct pl_terrain_layer {
   double datum_m; /* radius of the sphere that its heights are over; 0: over the body's ellipsoid */
 } pl_terrain_layer;
 
+/* A crater of a catalogue: labelled, but not drawn. */
+typedef struct pl_known_crater {
+  pl_vec3 direction; /* of its centre; unit, body axes */
+  double diameter_m;
+} pl_known_crater;
+
 typedef struct pl_terrain_frame {
   pl_vec3 radii_m;                /* of the body's ellipsoid */
   const pl_terrain_layer *layers; /* copied; each lies over those before it */
@@ -51,6 +57,8 @@ typedef struct pl_terrain_frame {
   /* Of the surface, with borrowed rasters; NULL: none. Albedo as in the body's colour map; Hapke's
    * roughness, rad. */
   const pl_raster_stack *albedo, *roughness;
+  const pl_known_crater *known; /* copied */
+  size_t known_count;
 } pl_terrain_frame;
 
 typedef struct pl_terrain pl_terrain;

@@ -23,6 +23,12 @@ typedef struct pl_slope_table {
   double shared;                     /* below roughness_baseline_m, of detail and craters */
 } pl_slope_table;
 
+/* A crater of a catalogue, with its place there, from 1 on. */
+typedef struct pl_numbered_crater {
+  pl_known_crater crater;
+  int64_t number;
+} pl_numbered_crater;
+
 struct pl_terrain {
   uint64_t number;
   pl_vec3 radii_m;
@@ -34,6 +40,9 @@ struct pl_terrain {
   size_t layer_count;
   pl_layer layers[PL_TERRAIN_LAYERS];
   pl_slope_table slopes;
+  pl_numbered_crater *known; /* owned; by ascending z of the directions */
+  size_t known_count;
+  double known_most_m; /* greatest diameter */
 };
 
 /* What the rasters show of craters. */

@@ -439,11 +439,11 @@ class Simulation:
         most: int = 20_000,
         threads: int | None = None,
     ) -> Array:
-        """Drawn craters in view of a frame, largest first: rows of frame.craters.CRATER_LABEL.
+        """Craters in view of a frame, largest first: rows of frame.craters.CRATER_LABEL.
 
-        body: default the only one with `terrain.craters`. least_px: least length of a rim's image,
-        pixels. most: ValueError if more craters lie about the ground in view. Renders labels of the
-        frame, to tell what is hidden. docs/craters.md explains the fields."""
+        body: default the only one with craters or a catalogue of them. least_px: least length of a
+        rim's image, pixels. most: ValueError if more craters lie about the ground in view. Renders
+        labels of the frame, to tell what is hidden. docs/craters.md explains the fields."""
         if not least_px > 0.0:
             raise ValueError(f"least_px: must be above 0, not {least_px}")
         arguments.whole("most", most, 1)
@@ -501,6 +501,7 @@ class Simulation:
             terrain,
             least_px,
             most,
+            self._mine().catalogue_of(scene.config, name),
         )
         rows["instance_id"] = number
         return rows

@@ -68,6 +68,7 @@ KEYS = {
     ("Body", "terrain"): PLACED,
     ("Terrain", "albedo"): LIGHT,
     ("Terrain", "roughness"): LIGHT,
+    ("Terrain", "crater_catalogue"): rule("ids"),
     ("Terrain", "roughness_baseline_m"): LIGHT,
     ("Body", "class"): rule("names"),
     ("Shape", "smooth"): LIGHT,

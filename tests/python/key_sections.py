@@ -240,6 +240,17 @@ THINGS = [
         },
     ),
     Section(
+        Terrain,
+        (*AT_BODY, "terrain"),
+        {},
+        {"crater_catalogue": "craters.csv"},
+        {
+            "labels.levels": ["kind", "ground"],
+            "camera.fov_deg": 2.0,
+            "labels.craters": {"least_px": 1.0},
+        },
+    ),
+    Section(
         Detail,
         (*AT_BODY, "terrain", "detail"),
         {},

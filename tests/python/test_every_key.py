@@ -100,6 +100,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     melted_box(path / "melted.glb")
     write_sheets(path / "sheet.gltf", away={"place": [0, 0, 0]}, here={"place": [2, 0, 0]})
     with_graphs(path / "graphs.glb", mli_gold=LAMBERT, panel_back=LAMBERT, solar_cell=LAMBERT)
+    craters = [f"{lat},{lon},600" for lat in (-60, 0, 60) for lon in range(0, 360, 40)]
+    (path / "craters.csv").write_text("\n".join(["lat,lon,diam_km", *craters]))
     np.save(path / "kernel.npy", rng.random((5, 5)) + 0.1)
     wavelengths = np.linspace(300.0, 1100.0, 9)
     rows = [f"{w:g},{1.0 + k}" for k, w in enumerate(wavelengths)]

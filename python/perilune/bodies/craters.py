@@ -30,9 +30,18 @@ CATALOGUED = np.dtype(
 longitude, planetocentric latitude, diameter, and the unit direction of its centre."""
 
 
-def crater_field(given: Craters, radius_m: float) -> _core.CraterField:
-    """The core's field of craters on a body of a mean radius. ValueError names the key."""
+def crater_field(given: Craters, radius_m: float, below_m: float = math.inf) -> _core.CraterField:
+    """The core's field of craters on a body of a mean radius. ValueError names the key.
+
+    below_m: diameter of the smallest crater of a catalogue, from which on none is drawn."""
     settings = core_settings(given, radius_m, _SMALLEST_M, _LARGEST_M)
+    if settings["min_diameter_m"] >= below_m:
+        least = settings["min_diameter_m"]
+        raise ValueError(
+            f"craters.min_diameter_m: {least:g} m: must be below the smallest crater of "
+            f"crater_catalogue, {below_m:g} m"
+        )
+    settings["max_diameter_m"] = min(settings["max_diameter_m"], below_m)
     for key, value in settings.pop("rays", {}).items():
         settings[f"ray_{key}"] = value
     return _core.CraterField(settings)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -69,20 +70,27 @@ def core_terrain(
     rasters: Sequence[ElevationRaster],
     albedo: Sequence[ElevationRaster] = (),
     roughness: Sequence[ElevationRaster] = (),
+    catalogue: NDArray[np.void] | None = None,
 ) -> _core.Terrain:
     """The core's ground of a section. rasters, albedo, roughness: what its keys were read to;
-    those that reach a pole get a patch over it. Raises ValueError."""
+    those that reach a pole get a patch over it. catalogue: of CATALOGUED. Raises ValueError."""
     whole = [patch for row in rasters for patch in with_patches(row, float(radii_m[0]))]
     layers = [(row.raster, row.interpolation, row.border_posts, row.datum_m) for row in whole]
     detail = None if given.detail is None else _detail(given.detail)
     if detail is not None and given.detail is not None and given.detail.from_elevation:
         detail |= _measured(rasters[-1], float(radii_m[0]))
     radius_m = float(np.cbrt(np.prod(radii_m)))
-    craters = None if given.craters is None else crater_field(given.craters, radius_m)
+    known, below_m = None, math.inf
+    if catalogue is not None and len(catalogue) > 0:
+        known = np.column_stack([catalogue["direction"], catalogue["diameter_m"]])
+        below_m = float(catalogue["diameter_m"].min())
+    craters = None if given.craters is None else crater_field(given.craters, radius_m, below_m)
     rocks = None if given.rocks is None else rock_field(given.rocks, radius_m)
     sheets = tuple(_sheets(rows, float(radii_m[0])) for rows in (albedo, roughness))
     baseline_m = given.roughness_baseline_m
-    return _core.Terrain(radii_m, layers, detail, craters, rocks, sheets[0], sheets[1], baseline_m)
+    return _core.Terrain(
+        radii_m, layers, detail, craters, rocks, sheets[0], sheets[1], baseline_m, known
+    )
 
 
 def ground_of(terrain: _core.Terrain, radii_m: F64, geodetic: bool) -> Ground:

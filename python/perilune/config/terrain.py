@@ -103,6 +103,10 @@ class Terrain(Strict):
     that the Moon's is from. 0: it is that of slopes finer than all detail."""
     craters: Craters | None = None
     """Craters where elevation models do not show them; none by default."""
+    crater_catalogue: str | None = None
+    """File of real craters, that of Robbins (2018) for one: CSV with columns of latitude, longitude
+    (degrees, planetocentric) and diameter. They are labelled with those that are drawn, but not
+    drawn: elevation models show them. `craters` are smaller than the smallest of them."""
     rocks: Rocks | None = None
     """Rocks on the ground; none by default."""
     cells_per_pixel: _Cells = 1.0

@@ -21,6 +21,8 @@ CRATER_LABEL = np.dtype(
     [
         ("id", "i8"),
         ("instance_id", "i4"),
+        ("source", "U9"),
+        ("name", "U24"),
         *((name, *rest) for name, *rest in _core.CRATER if name != "id"),
         ("lon_deg", "f8"),
         ("lat_deg", "f8"),
@@ -40,6 +42,7 @@ CRATER_LABEL = np.dtype(
 )
 """A row of `Simulation.craters`; docs/craters.md explains the fields."""
 
+_KNOWN = np.dtype([("id", "i8"), *(row for row in _core.CRATER if row[0] != "id")])
 _RIM_POINTS = 24
 _CELLS = 8.0  # of the ground on which rims are laid, along the least diameter of an octave
 _NEAR_M = 1e-3
@@ -49,10 +52,12 @@ _WIDEST = 1.6  # the largest semi-axis over half the diameter, of an ellipticity
 
 def bodies_with(config: Config, what: str) -> list[str]:
     """Bodies with craters or rocks (`what`)."""
+    keys = ("craters", "crater_catalogue") if what == "craters" else (what,)
     return [
         name
         for name, entry in config.bodies.items()
-        if entry.terrain is not None and getattr(entry.terrain, what) is not None
+        if entry.terrain is not None
+        and any(getattr(entry.terrain, key) is not None for key in keys)
     ]
 
 
@@ -79,9 +84,10 @@ def in_view(
     terrain: _core.Terrain,
     least_px: float,
     most: int,
+    catalogue: Array | None,
 ) -> Array:
     """Rows of CRATER_LABEL. position_m, ids: the channels `position` and `crater_id`. on_body:
-    pixels that show the body. world: in the middle of the exposure."""
+    pixels that show the body. world: in the middle of the exposure. catalogue: of CATALOGUED."""
     pose = world.poses[body][0]
     range_m = np.linalg.norm(position_m - camera.position_m, axis=-1)
     ground = (position_m[on_body] - pose[:3]) @ rotations.to_matrix(pose[3:])
@@ -91,6 +97,13 @@ def in_view(
         _projected(world, body, terrain, camera, range_m, found)
         for found in _listed(terrain, ground, eye, least_px / focal, most)
     ]
+    for part in parts:
+        part["source"] = "drawn"
+    if catalogue is not None:
+        parts += [
+            _named(_projected(world, body, terrain, camera, range_m, found), catalogue)
+            for found in _known(catalogue, ground, eye, least_px / focal)
+        ]
     rows = np.concatenate(parts) if parts else np.zeros(0, CRATER_LABEL)
     shown = _set_pixels(rows, np.where(on_body, ids, 0))
     seen_rows = (rows["inside_fract"] > 0.0) | _around(rows, camera)
@@ -154,6 +167,39 @@ def _listed(
             if fresh.any():
                 yield found[fresh]
             low *= 2.0
+
+
+def _known(catalogue: Array, ground: F64, eye: F64, least_rad: float) -> Iterator[Array]:
+    """Craters of a catalogue about the ground that is seen, by octaves of diameters, as records of
+    _KNOWN."""
+    if len(ground) == 0:
+        return
+    away_m = float(np.linalg.norm(ground - eye, axis=1).min())
+    radius_m = float(np.linalg.norm(ground, axis=1).max())
+    up = ground / np.linalg.norm(ground, axis=1, keepdims=True)
+    middle = up.mean(axis=0)
+    middle /= np.linalg.norm(middle)
+    diameter_m = catalogue["diameter_m"]
+    reach = np.linalg.norm(up - middle, axis=1).max() + diameter_m / radius_m
+    near = np.linalg.norm(catalogue["direction"] - middle, axis=1) < reach
+    found = catalogue[near & (diameter_m > least_rad * away_m / _WIDEST)]
+    rows = np.zeros(len(found), _KNOWN)
+    for name in ("age_ga", "tau", "depth_m", "rim_m", "kept"):
+        rows[name] = np.nan
+    rows["id"], rows["axis_ratio"] = -found["id"], 1.0
+    rows["direction"], rows["diameter_m"] = found["direction"], found["diameter_m"]
+    other = np.where(np.abs(found["direction"][:, 2:]) < 0.7, [[0.0, 0.0, 1.0]], [[1.0, 0.0, 0.0]])
+    across = np.cross(other, found["direction"])
+    rows["major"] = across / np.linalg.norm(across, axis=1, keepdims=True)
+    octaves = np.floor(np.log2(rows["diameter_m"]))
+    for octave in np.unique(octaves):
+        yield rows[octaves == octave]
+
+
+def _named(rows: Array, catalogue: Array) -> Array:
+    """The same rows with their names in the catalogue."""
+    rows["source"], rows["name"] = "catalogue", catalogue["name"][-rows["id"] - 1]
+    return rows
 
 
 def _cell_m(craters: Array) -> float:

@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
 
 from perilune import _core, orbits
 from perilune.bodies import terrain as terrains
+from perilune.bodies.craters import read_catalogue
 from perilune.bodies.elevation import ElevationRaster, read_elevation
 from perilune.bodies.shapes import BodyShape
 from perilune.bodies.surface_rasters import ALBEDO, ROUGHNESS, Quantity, read_surface
@@ -38,6 +43,7 @@ class Terrains:
 
     def __init__(self) -> None:
         self._elevations: dict[tuple[Any, ...], ElevationRaster] = {}
+        self._catalogues: dict[Path, NDArray[np.void]] = {}
         self._terrains: dict[tuple[Any, ...], tuple[_core.Terrain, Ground]] = {}
         self._shapes: dict[tuple[Any, ...], Ground] = {}
 
@@ -78,6 +84,19 @@ class Terrains:
         teller.tell(f"{key}.file", str(path), found.remarks)
         return found
 
+    def catalogue(self, document: Document, name: str, body: Body) -> NDArray[np.void] | None:
+        """The catalogue of a body's craters, read once; None if it has none."""
+        if body.terrain is None or body.terrain.crater_catalogue is None:
+            return None
+        key = f"bodies.{name}.terrain.crater_catalogue"
+        path = document.path(body.terrain.crater_catalogue, key)
+        if path not in self._catalogues:
+            try:
+                self._catalogues[path] = read_catalogue(path)
+            except ValueError as error:
+                raise ConfigError(f"{document.source}:\n  {key}: {error}") from error
+        return self._catalogues[path]
+
     def of_terrain(
         self, document: Document, name: str, body: Body, teller: Teller
     ) -> tuple[_core.Terrain, Ground]:
@@ -102,9 +121,10 @@ class Terrains:
             rasters = read("elevation", given.elevation, None)
             albedo = read("albedo", given.albedo, ALBEDO)
             roughness = read("roughness", given.roughness, ROUGHNESS)
+            catalogue = self.catalogue(document, name, body)
             _make_room(self._terrains)
             try:
-                core = terrains.core_terrain(given, radii, rasters, albedo, roughness)
+                core = terrains.core_terrain(given, radii, rasters, albedo, roughness, catalogue)
             except ValueError as error:
                 raise ConfigError(f"{document.source}:\n  {where}: {error}") from error
             for text in terrains.remarks_of(given, radii, rasters):
