@@ -109,7 +109,8 @@ static void add_slopes(const pl_shot_body *body, const pl_beam *beam, pl_vertex 
   if (surface->reflectance->photometric)
     share_roughness(body->field->terrain, &surface->regolith);
   if (surface->reflectance->photometric || surface->reflectance == &pl_reflectance_lambert)
-    surface->rough = (pl_rough){slope, (float)fmax(left.variance, 0.0), (float)left.whole};
+    surface->rough = (pl_rough){slope, (float)fmax(left.variance, 0.0), (float)left.whole,
+                                (float)left.stones, (float)left.stone_height};
   else
     pl_surface_set_frame(surface, pl_vec3f_unit(pl_vec3f_sub(surface->n, slope)), surface->t, 1.0f);
 }

@@ -1,4 +1,4 @@
-/* Means over four facets. */
+/* Means over four facets, and over the sides of rocks. */
 #include "shade/rough.h"
 
 #include "math/sampling.h"
@@ -35,16 +35,13 @@ static float reached(float lit, float seen, pl_vec3f wo, pl_vec3f wi) {
   return 1.0f / (1.0f + more + apart / (apart + 1.0f) * less);
 }
 
-pl_vec3f pl_rough_reflect(const pl_surface *surface, pl_vec3f wo, pl_vec3f wi, pl_rough_fn law,
-                          const void *context) {
-  const pl_rough *rough = &surface->rough;
-  pl_vec3f slopes[4], sum = {0.0f, 0.0f, 0.0f};
-  if (!(wi.z > 0.0f && wo.z > 0.0f))
-    return sum;
-  set_slopes(wo, wi, slopes);
-  const pl_vec3f mean = pl_surface_to_local(surface, rough->slope);
-  const float deviation = sqrtf(rough->variance), whole = sqrtf(rough->whole);
-  const int count = rough->variance > 0.0f ? 4 : 1;
+/* Sum over facets of a mean slope and slopes around it, by the areas that the viewer sees, those
+ * hidden by others included. */
+static pl_vec3f sum_facets(const pl_surface *surface, pl_vec3f wo, pl_vec3f wi, pl_rough_fn law,
+                           const void *context, pl_vec3f mean, const pl_vec3f slopes[4],
+                           float deviation) {
+  pl_vec3f sum = {0.0f, 0.0f, 0.0f};
+  const int count = deviation > 0.0f ? 4 : 1;
   for (int k = 0; k < count; k++) {
     const pl_vec3f slope = pl_vec3f_madd(mean, deviation, slopes[k]);
     const pl_vec3f up = {-slope.x, -slope.y, 1.0f};
@@ -56,6 +53,34 @@ pl_vec3f pl_rough_reflect(const pl_surface *surface, pl_vec3f wo, pl_vec3f wi, p
         sum, facing / (float)count,
         law(surface, pl_basis_to_local(&facet, wo), pl_basis_to_local(&facet, wi), context));
   }
+  return sum;
+}
+
+/* Lays rocks on ground of this reflectance. */
+static pl_vec3f lay_stones(const pl_surface *surface, pl_vec3f wo, pl_vec3f wi, pl_rough_fn law,
+                           const void *context, const pl_vec3f slopes[4], pl_vec3f ground) {
+  static const float SLOPE = 2.8284271f; /* of the sides over their height, for a dome's shadow */
+  const pl_vec3f flat = {0.0f, 0.0f, 0.0f};
+  const float share = surface->rough.stones, slope = SLOPE * surface->rough.stone_height;
+  const float lit = turned(slopes, slope, wi), seen = turned(slopes, slope, wo);
+  const pl_vec3f sides = sum_facets(surface, wo, wi, law, context, flat, slopes, slope);
+  const float bare = expf(-share / reached(lit, seen, wo, wi));
+  const float shown = -expm1f(-share * seen) / seen;
+  return pl_vec3f_madd(pl_vec3f_scale(ground, bare), shown, sides);
+}
+
+pl_vec3f pl_rough_reflect(const pl_surface *surface, pl_vec3f wo, pl_vec3f wi, pl_rough_fn law,
+                          const void *context) {
+  const pl_rough *rough = &surface->rough;
+  pl_vec3f slopes[4];
+  if (!(wi.z > 0.0f && wo.z > 0.0f))
+    return (pl_vec3f){0.0f, 0.0f, 0.0f};
+  set_slopes(wo, wi, slopes);
+  const pl_vec3f mean = pl_surface_to_local(surface, rough->slope);
+  const float whole = sqrtf(rough->whole);
   const float lit = turned(slopes, whole, wi), seen = turned(slopes, whole, wo);
-  return pl_vec3f_scale(sum, reached(lit, seen, wo, wi));
+  const pl_vec3f ground = pl_vec3f_scale(
+      sum_facets(surface, wo, wi, law, context, mean, slopes, sqrtf(rough->variance)),
+      reached(lit, seen, wo, wi));
+  return rough->stones > 0.0f ? lay_stones(surface, wo, wi, law, context, slopes, ground) : ground;
 }

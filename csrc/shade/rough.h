@@ -1,10 +1,15 @@
-/* Light from facets too small for the geometry.
+/* Light from relief too small for the geometry: facets, and rocks on them.
  *
  * The mean of a reflectance over facets with normally distributed slopes, weighted by the areas
  * that the viewer sees, which other facets neither hide nor shade: Smith's shadowing (1967), of sun
  * and viewer together by van Ginneken et al. (1998). The mean is taken over four slopes, exact to
  * the third order. The shares that are lit and seen are taken over four, too: so all light on the
  * mean surface is received, and facets fill all of the view.
+ *
+ * A rock is a top and four sides of one slope, half of it under either: it throws a shadow like a
+ * dome of its width and height. Rocks lie anywhere, so the ground that light reaches, and that is
+ * seen, falls exponentially with their shadows. They are not in each other's shadow, and have the
+ * reflectance of the ground.
  *
  * `evaluate` of a model has facets; `sample` knows the mean surface alone: facets hardly change
  * light that comes from many sides, as that of other ground. */
@@ -21,6 +26,8 @@ typedef pl_vec3f (*pl_rough_fn)(const pl_surface *surface, pl_vec3f wo, pl_vec3f
 pl_vec3f pl_rough_reflect(const pl_surface *surface, pl_vec3f wo, pl_vec3f wi, pl_rough_fn law,
                           const void *context);
 
-static inline bool pl_rough_on(const pl_rough *rough) { return rough->whole > 0.0f; }
+static inline bool pl_rough_on(const pl_rough *rough) {
+  return rough->whole > 0.0f || rough->stones > 0.0f;
+}
 
 #endif

@@ -8,12 +8,13 @@
 
 typedef struct pl_reflectance pl_reflectance;
 
-/* Facets too small for the geometry; see shade/rough.h. All zero: there are none. */
+/* Relief too small for the geometry; see shade/rough.h. All zero: there is none. */
 typedef struct pl_rough {
-  pl_vec3f slope; /* mean of their slopes to the shading frame: rise over distance, along it */
+  pl_vec3f slope; /* mean slope of facets to the shading frame: rise over distance, along it */
   /* Of slopes along any one axis: variance around the mean, and of the mean itself and around it,
    * from place to place */
   float variance, whole;
+  float stones, stone_height; /* share of the ground under rocks; their height over their width */
 } pl_rough;
 
 /* Directions point away from the surface. wo and wi below are in the local frame (t, b, n). */

@@ -21,7 +21,7 @@ static double slope_area(const float profile[PL_CRATER_KNOTS], double radius_m) 
 static double mean_slope_area(const pl_crater_field *field, double diameter_m) {
   const pl_crater_frame *frame = &field->frame;
   const pl_crater_dimensions fresh = pl_crater_fresh(diameter_m);
-  const double most = pl_crater_chronology(pl_crater_oldest_ga(&frame->law, diameter_m));
+  const double most = pl_crater_chronology(pl_crater_oldest_drawn_ga(frame, diameter_m));
   float profile[PL_CRATER_KNOTS];
   double sum = 0.0;
   for (int k = 0; k < AGES; k++) {

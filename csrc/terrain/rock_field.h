@@ -24,6 +24,9 @@
 /* The ground passes through a rock within this part of the way from its middle to its outline. */
 #define PL_ROCK_CONTACT 0.5
 
+/* Tiles of ground show rocks of so many of their cells or more. */
+#define PL_ROCK_CELLS 2.0
+
 typedef struct pl_rock_frame {
   double radius_m; /* pl_terrain_radius_m of the body's terrain */
   pl_rock_law law;

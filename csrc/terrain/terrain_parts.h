@@ -20,6 +20,8 @@ typedef struct pl_slope_table {
   double octave[PL_CUBE_LEVELS];     /* of the octave of detail of this level */
   double beyond[PL_CUBE_LEVELS + 1]; /* of all octaves from this level on */
   double craters[PL_CUBE_LEVELS];    /* of what cells of this level leave out of craters */
+  double stones[PL_CUBE_LEVELS];     /* share of the ground under rocks that such cells leave out */
+  double stone_height;               /* of these over the ground, over their width */
   double shared;                     /* below roughness_baseline_m, of detail and craters */
 } pl_slope_table;
 

@@ -140,12 +140,59 @@ static void test_ends(void **state) {
   assert_true(pl_reflectance_hapke.evaluate(&rough, toward(45.0, 180.0), up).y == 0.0f);
 }
 
+/* Light that a dome on Lambert's ground takes from a view straight down, over that on its base:
+ * what it shades beside it, and what its sides reflect less than flat ground. */
+static double taken_by_dome(double height_of_width, pl_vec3f wi) {
+  enum { STEPS = 200 };
+  const double c = 2.0 * height_of_width, cot = (double)(wi.x / wi.z);
+  double sum = 0.5 * (sqrt(1.0 + c * c * cot * cot) - 1.0); /* its shadow is half an ellipse */
+  for (int i = 0; i < STEPS; i++)
+    for (int j = 0; j < STEPS; j++) {
+      const double x = 2.0 * (i + 0.5) / STEPS - 1.0, y = 2.0 * (j + 0.5) / STEPS - 1.0;
+      const double z2 = 1.0 - x * x - y * y;
+      if (!(z2 > 0.0))
+        continue;
+      const double z = sqrt(z2) / c, norm = sqrt(x * x + y * y + z * z);
+      const double lit = fmax((x * (double)wi.x + z * (double)wi.z) / norm, 0.0) / (double)wi.z;
+      sum += (1.0 - lit) * 4.0 / (STEPS * STEPS) / PL_PI;
+    }
+  return sum;
+}
+
+/* Rocks take about as much light as domes, from flat ground and from rough, and more of them less
+ * than in proportion. */
+static void test_stones(void **state) {
+  (void)state;
+  const double suns[] = {5, 10, 20, 40, 70}, heights[] = {0.3, 0.45, 0.55};
+  for (int i = 0; i < 5; i++)
+    for (int h = 0; h < 3; h++) {
+      const pl_vec3f wi = toward(suns[i], 0.0), wo = toward(89.99, 0.0);
+      pl_surface s = surface_of(&pl_reflectance_lambert, 0.0);
+      const double bare = (double)pl_reflectance_lambert.evaluate(&s, wo, wi).y;
+      s.rough.stone_height = (float)heights[h];
+      double before = 0.0, per_stone = 0.0;
+      for (double share = 0.002; share < 0.5; share *= 4.0) {
+        s.rough.stones = (float)share;
+        const double taken = 1.0 - (double)pl_reflectance_lambert.evaluate(&s, wo, wi).y / bare;
+        assert_true(taken > before && taken < 1.0);
+        if (before == 0.0) {
+          const double dome = taken_by_dome(heights[h], wi);
+          assert_true(fabs(taken / share - dome) < 0.25 * dome + 0.2);
+          per_stone = taken / share;
+        }
+        assert_true(taken <= 1.001 * per_stone * share);
+        before = taken;
+      }
+    }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_integral),
       cmocka_unit_test(test_shares),
       cmocka_unit_test(test_light_is_conserved),
       cmocka_unit_test(test_ends),
+      cmocka_unit_test(test_stones),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -21,16 +21,17 @@ def ground(
     baseline_m: float = 100.0,
     longest_m: float = 6e5,
     smooth: bool = False,
+    terrain: dict[str, Any] | None = None,
     body: dict[str, Any] | None = None,
 ) -> dict[str, np.ndarray]:
     """Lunar highlands under a camera, pixels of 15 mm from 2 m."""
-    terrain = {
+    own = {
         "detail": {"seed": 3, "longest_m": longest_m},
         "cells_per_pixel": cells,
         "finest_cell_m": 0.001,
     }
-    terrain |= {"roughness_baseline_m": baseline_m}
-    moon = {"kind": "moon", "reflectance": "hapke", "albedo": 0.33, "terrain": terrain}
+    own |= {"roughness_baseline_m": baseline_m} | (terrain or {})
+    moon = {"kind": "moon", "reflectance": "hapke", "albedo": 0.33, "terrain": own}
     off = ["sub_cell_normals"] if not normals else ["terrain", "sub_cell_normals"] if smooth else []
     place = {"lon_deg": lon_deg, "lat_deg": SITE["lat_deg"]}
     tree = {
@@ -117,3 +118,20 @@ def test_from_afar_the_ground_is_as_bright_as_its_law(sun_deg: float, limit: flo
     twice = ground(1.0, sun_deg, height_m=20e3, longest_m=100.0, baseline_m=0.0)["radiance"].mean()
     assert abs(shared / flat - 1.0) < limit
     assert twice < 0.995 * shared
+
+
+@pytest.mark.parametrize(("sun_deg", "limit"), [(10.0, 0.022), (30.0, 0.008)])
+def test_rocks_below_the_cells_darken_as_those_that_are_shown(sun_deg: float, limit: float) -> None:
+    """Rocks of 0.4 to 1 m on 5 % of a plain, in pixels of 1 m: with cells of 10 m none is shown,
+    with such of 0.14 m all are."""
+    rocks = {"law": "haworth", "density": 6.0, "min_diameter_m": 0.4, "max_diameter_m": 1.0}
+    plain = {"detail": {"seed": 3, "strength": 0.02}}
+
+    def mean(cells: float, normals: bool = True, **more: Any) -> float:
+        terrain = plain | more
+        drawn = ground(cells, sun_deg, normals, height_m=150.0, terrain=terrain)
+        return float(drawn["radiance"].mean())
+
+    all_shown = mean(8.0, rocks=rocks)
+    assert abs(mean(0.1, rocks=rocks) / all_shown - 1.0) < limit
+    assert mean(0.1, normals=False, rocks=rocks) > (1.0 + 2.0 * limit) * all_shown
