@@ -101,7 +101,12 @@ class Asked(Simulation):
     def of(cls, whole: Simulation, size: tuple[int, int], parts: int) -> Asked:
         """size: of the window, in pixels of `whole`: columns, rows."""
         width, height = parts * size[0], parts * size[1]
-        sized = whole.with_overrides({"camera.width": width, "camera.height": height})
+        overrides: dict[str, Any] = {"camera.width": width, "camera.height": height}
+        for name, body in whole.config.bodies.items():
+            if body.terrain is not None and parts > 1:  # the same cells
+                cells = body.terrain.cells_per_pixel / parts
+                overrides[f"bodies.{name}.terrain.cells_per_pixel"] = cells
+        sized = whole.with_overrides(overrides)
         out = cls(*sized.__reduce__()[1])
         out.whole, out.parts = whole, parts
         return out
