@@ -84,6 +84,16 @@ def change_dn(a: Frame, b: Frame) -> float:
     return float(np.sqrt(np.mean((a.rgb - b.rgb) ** 2)))
 
 
+def local_change_dn(a: Frame, b: Frame) -> NDArray[np.float64]:
+    """The same over squares of an eighth of the frame's height, at all places: a tile that jumps
+    shows, where the rest of the frame hides it in the mean of all."""
+    squares = ((a.rgb - b.rgb) ** 2).mean(axis=2)
+    side = max(2, a.rgb.shape[0] // 8)
+    sums = np.pad(squares, ((1, 0), (1, 0))).cumsum(axis=0).cumsum(axis=1)
+    boxes = sums[side:, side:] - sums[:-side, side:] - sums[side:, :-side] + sums[:-side, :-side]
+    return np.asarray(np.sqrt(np.maximum(boxes, 0.0)) / side)
+
+
 @dataclass
 class Report:
     frames: int = 0
@@ -93,6 +103,10 @@ class Report:
     reference_dn: float = 0.0  # of the reference
     excess: float = 0.0  # largest ratio of the two, over the same frames
     excess_at: int = 0  # its first frame
+    local_dn: float = 0.0  # largest local change
+    local_reference_dn: float = 0.0
+    local_excess_dn: float = 0.0  # most that a local change is above the reference's there
+    local_excess_at: int = 0
     darkest_dn: float = 255.0  # least mean of a frame
 
 
@@ -112,7 +126,9 @@ def descend(
             report.not_finite += now[0].not_finite
             report.darkest_dn = min(report.darkest_dn, float(now[0].rgb.mean()))
             if before is not None:
-                _compare(report, k - 1, [change_dn(a, b) for a, b in zip(before, now, strict=True)])
+                pairs = list(zip(before, now, strict=True))
+                _compare(report, k - 1, [change_dn(*pair) for pair in pairs])
+                compare_local(report, k - 1, [local_change_dn(*pair) for pair in pairs])
             before = list(now)
     return report
 
@@ -124,6 +140,16 @@ def _compare(report: Report, k: int, changes: list[float]) -> None:
     report.reference_dn = max(report.reference_dn, changes[1])
     if changes[0] / changes[1] > report.excess:
         report.excess, report.excess_at = changes[0] / changes[1], k
+
+
+def compare_local(report: Report, k: int, changes: list[NDArray[np.float64]]) -> None:
+    report.local_dn = max(report.local_dn, float(changes[0].max()))
+    if len(changes) < 2:
+        return
+    report.local_reference_dn = max(report.local_reference_dn, float(changes[1].max()))
+    excess = float((changes[0] - changes[1]).max())
+    if excess > report.local_excess_dn:
+        report.local_excess_dn, report.local_excess_at = excess, k
 
 
 def main() -> int:
@@ -145,7 +171,13 @@ def main() -> int:
             f"with {REFERENCE:g} cells a pixel {found.reference_dn:.2f} DN;"
             f" largest ratio {found.excess:.3f}, after frame {found.excess_at}"
         )
-    return 1 if found.holes or found.not_finite else 0
+        print(
+            f"local changes up to {found.local_dn:.1f} DN, {found.local_reference_dn:.1f} with it;"
+            f" {found.local_excess_dn:.1f} DN above it at one place, after frame"
+            f" {found.local_excess_at}"
+        )
+    jumps = found.excess > 1.1 or found.local_excess_dn > 6.0
+    return 1 if found.holes or found.not_finite or jumps else 0
 
 
 if __name__ == "__main__":

@@ -151,6 +151,19 @@ def test_the_sun_at_and_below_the_horizon(sun_deg: float) -> None:
         assert lit == 0.0
 
 
+@pytest.mark.parametrize("off_nadir_deg", [0.0, 90.0])
+@pytest.mark.parametrize("height_m", [1e-6, 1e-3])
+def test_a_camera_on_the_ground(height_m: float, off_nadir_deg: float) -> None:
+    """It sees the cell below it, and the sky only above the horizon."""
+    sim = scene({"detail": {"seed": 3}}, height_m=height_m)
+    sim = sim.with_overrides({"camera.trajectory.off_nadir_deg": off_nadir_deg})
+    sample = sim.frame(0, CHANNELS, threads=1)
+    seen = sample["range"] > 0.0
+    assert np.isfinite(sample["radiance"]).all()
+    assert seen.all() if off_nadir_deg == 0.0 else 0.3 < seen.mean() < 0.9
+    assert 0.0 < sample["range"][seen].min() < 0.01
+
+
 def test_two_cameras_at_the_ends_of_a_body() -> None:
     """Tiles are chosen for each: both see the ground, and the same after each other as alone."""
     far = {"position_m": [0.0, 0.0, 2e3 * MOON_KM + 9000.0], "rotation_deg": [180.0, 0.0, 0.0]}
