@@ -83,7 +83,7 @@ static void find_plane(const pl_terrain *terrain, const pl_scatter_site *site, f
   out->slope_rad = atan(pl_vec3_norm(slope));
   out->up = pl_vec3_unit(pl_vec3_sub(d, slope));
   out->mean_m = mean_m * cos(out->slope_rad);
-  out->rough_m = 3.0 * pl_terrain_relief_m(terrain, out->level) + 0.01 * site->diameter_m;
+  out->rough_m = 4.5 * pl_terrain_relief_m(terrain, out->level) + 0.01 * site->diameter_m;
 }
 
 /* Finds the ground at half the way from the rock's middle to its outline. */
