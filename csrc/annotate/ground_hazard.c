@@ -88,7 +88,7 @@ static pl_status find_rocks(const search *at) {
                                .min_m = at->limits->rock_m / (PL_ROCK_HEIGHT_MOST * exposed),
                                .max_m = INFINITY};
   search own = *at;
-  return pl_rock_sites_near(rocks, middle, &reach, mark, &own);
+  return pl_rock_sites_near(rocks, at->terrain, middle, &reach, mark, &own);
 }
 
 static pl_status find_hazards(const pl_ground_group *group, uint8_t *bits) {

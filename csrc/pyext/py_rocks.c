@@ -81,12 +81,20 @@ static int frame_of(PyObject *settings, pl_rock_frame *frame, double **table) {
   const struct {
     const char *key;
     double *to;
-  } numbers[] = {{"density", &frame->law.factor},          {"abundance", &frame->law.abundance},
-                 {"decay_per_m", &frame->law.decay_per_m}, {"coefficient", &frame->law.coefficient},
-                 {"exponent", &frame->law.exponent},       {"cutoff_m", &frame->law.cutoff_m},
-                 {"min_diameter_m", &frame->min_m},        {"max_diameter_m", &frame->max_m},
-                 {"least_burial", &frame->least_burial},   {"most_burial", &frame->most_burial},
-                 {"repose_rad", &frame->repose_rad}};
+  } numbers[] = {{"density", &frame->law.factor},
+                 {"abundance", &frame->law.abundance},
+                 {"decay_per_m", &frame->law.decay_per_m},
+                 {"coefficient", &frame->law.coefficient},
+                 {"exponent", &frame->law.exponent},
+                 {"cutoff_m", &frame->law.cutoff_m},
+                 {"min_diameter_m", &frame->min_m},
+                 {"max_diameter_m", &frame->max_m},
+                 {"least_burial", &frame->least_burial},
+                 {"most_burial", &frame->most_burial},
+                 {"repose_rad", &frame->repose_rad},
+                 {"ejecta_at_rim", &frame->ejecta.at_rim},
+                 {"ejecta_life_ga", &frame->ejecta.craters.life_ga},
+                 {"ejecta_least_crater_m", &frame->ejecta.craters.least_m}};
   for (size_t k = 0; k < sizeof numbers / sizeof numbers[0]; k++)
     if (pl_py_optional_double(settings, numbers[k].key, "rocks", numbers[k].to) < 0)
       return -1;

@@ -141,7 +141,7 @@ pl_status pl_ground_rocks_make(const pl_rock_field *field, const pl_terrain *ter
   collection all = {.field = field, .terrain = terrain, .cell_m = cell_m};
   const pl_rock_square square = {id.face, id.level, id.i, id.j};
   *out = NULL;
-  pl_status status = pl_rock_sites(field, &square, collect, &all);
+  pl_status status = pl_rock_sites(field, terrain, &square, collect, &all);
   if (status == PL_OK && all.count > 0)
     status = mesh(&all, origin, out);
   pl_free(all.rocks);

@@ -27,6 +27,12 @@
 /* Tiles of ground show rocks of so many of their cells or more. */
 #define PL_ROCK_CELLS 2.0
 
+/* Blocks about fresh craters (terrain/crater_blocks.h): more rocks of the same law. */
+typedef struct pl_rock_ejecta {
+  double at_rim; /* their density at the rim of a new crater, over that of the law; 0: none */
+  pl_crater_blocks craters;
+} pl_rock_ejecta;
+
 typedef struct pl_rock_frame {
   double radius_m; /* pl_terrain_radius_m of the body's terrain */
   pl_rock_law law;
@@ -37,10 +43,11 @@ typedef struct pl_rock_frame {
   double least_burial, most_burial;
   double repose_rad;                 /* on steeper slopes there are none; (0, pi/2) */
   double families[PL_ROCK_FAMILIES]; /* shares of the families, of any sum above 0 */
+  pl_rock_ejecta ejecta;
 } pl_rock_frame;
 
 /* The law of VIPER with few rocks above 3 m, burial of 0.1 to 0.5, repose of 35 degrees, angular
- * families more often than round ones. */
+ * families more often than round ones, no more about craters. */
 pl_rock_frame pl_rock_frame_default(double radius_m);
 
 typedef struct pl_rock_field pl_rock_field;
@@ -79,16 +86,27 @@ double pl_rock_height_bound_m(const pl_rock_field *field, const pl_scatter_site 
 bool pl_rock_find(const pl_rock_field *field, const pl_terrain *terrain, uint64_t id, pl_rock *rock,
                   pl_rock_shape *shape);
 
+/* Sites of rocks in a part of the ground: those of the law, and blocks about craters. */
+typedef struct pl_rock_region {
+  const pl_rock_field *field;
+  pl_crater_source *sources; /* owned */
+  size_t source_count;
+} pl_rock_region;
+/* Of what lies within an angle of a direction. */
+pl_status pl_rock_region_init(const pl_rock_field *field, const pl_terrain *terrain, pl_vec3 axis,
+                              double angle_rad, pl_rock_region *out);
+void pl_rock_region_clear(pl_rock_region *region);
+
 /* A square of the lattice: cell (i, j) of a level of the cube. */
 typedef struct pl_rock_square {
   int face, level;
   uint64_t i, j;
 } pl_rock_square;
 typedef pl_status (*pl_rock_site_fn)(void *context, const pl_scatter_site *site);
-/* Visits the sites with centres in a square and diameters of at least 1/16 of its width (nominal:
- * that at the centres of faces), larger octaves first. */
-pl_status pl_rock_sites(const pl_rock_field *field, const pl_rock_square *square,
-                        pl_rock_site_fn visit, void *context);
+/* Visits the sites of a terrain with centres in a square and diameters of at least 1/16 of its
+ * width (nominal: that at the centres of faces), larger octaves first. */
+pl_status pl_rock_sites(const pl_rock_field *field, const pl_terrain *terrain,
+                        const pl_rock_square *square, pl_rock_site_fn visit, void *context);
 
 /* Sites with centres within radius_m plus so many of their own diameters (along the ground) of a
  * place, with diameters in [min_m, max_m). */
@@ -96,8 +114,9 @@ typedef struct pl_rock_reach {
   double radius_m, diameters, min_m, max_m;
 } pl_rock_reach;
 /* Visits them by faces; a coarser cell before its parts. */
-pl_status pl_rock_sites_near(const pl_rock_field *field, pl_vec3 direction,
-                             const pl_rock_reach *reach, pl_rock_site_fn visit, void *context);
+pl_status pl_rock_sites_near(const pl_rock_field *field, const pl_terrain *terrain,
+                             pl_vec3 direction, const pl_rock_reach *reach, pl_rock_site_fn visit,
+                             void *context);
 
 /* Lists the rocks with centres within radius_m (along the ground) of a direction, with diameters in
  * [min_m, max_m). *out is freed with pl_free. PL_E_RANGE if more than PL_ROCK_LIST_MOST are to be

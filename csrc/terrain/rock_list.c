@@ -5,6 +5,7 @@
 /* A search for sites. */
 typedef struct region {
   const pl_scatter *scatter;
+  pl_rock_region rocks;
   pl_vec3 axis;
   double angle_rad, more; /* more: angle a metre of diameter */
   double min_m, max_m;
@@ -45,10 +46,11 @@ static pl_status visit(const region *at, const pl_scatter_cell *cell) {
   if (angle_between(middle, at->axis) > at->angle_rad + reach)
     return PL_OK;
   if (used && octave->high_m > at->min_m && octave->low_m < at->max_m) {
-    const uint64_t count = pl_scatter_count(scatter, cell);
+    uint64_t laws;
+    const uint64_t count = pl_rock_candidates(&at->rocks, cell, &laws);
     pl_scatter_site site;
     for (uint64_t n = 0; n < count; n++)
-      if (pl_scatter_draw(scatter, cell, n, NULL, &site))
+      if (pl_rock_draw(&at->rocks, cell, n, laws, &site))
         PL_TRY(visit_site(at, &site));
   }
   if (cell->level >= scatter->last || (used && octave->low_m <= at->min_m))
@@ -61,22 +63,27 @@ static pl_status visit(const region *at, const pl_scatter_cell *cell) {
   return PL_OK;
 }
 
-pl_status pl_rock_sites_near(const pl_rock_field *field, pl_vec3 direction,
-                             const pl_rock_reach *reach, pl_rock_site_fn visit_one, void *context) {
+pl_status pl_rock_sites_near(const pl_rock_field *field, const pl_terrain *terrain,
+                             pl_vec3 direction, const pl_rock_reach *reach,
+                             pl_rock_site_fn visit_one, void *context) {
   const double per_m = 1.0 / field->frame.radius_m;
-  const region at = {.scatter = &field->scatter,
-                     .axis = direction,
-                     .angle_rad = fmin(reach->radius_m * per_m, PL_PI),
-                     .more = reach->diameters * per_m,
-                     .min_m = reach->min_m,
-                     .max_m = reach->max_m,
-                     .visit = visit_one,
-                     .context = context};
-  for (int face = 0; face < PL_CUBE_FACES && field->scatter.last >= 0; face++) {
+  region at = {.scatter = &field->scatter,
+               .axis = direction,
+               .angle_rad = fmin(reach->radius_m * per_m, PL_PI),
+               .more = reach->diameters * per_m,
+               .min_m = reach->min_m,
+               .max_m = reach->max_m,
+               .visit = visit_one,
+               .context = context};
+  const double widest_m = fmin(reach->max_m, field->frame.max_m);
+  pl_status status =
+      pl_rock_region_init(field, terrain, direction, at.angle_rad + at.more * widest_m, &at.rocks);
+  for (int face = 0; face < PL_CUBE_FACES && field->scatter.last >= 0 && status == PL_OK; face++) {
     const pl_scatter_cell cell = {0, face, 0, 0};
-    PL_TRY(visit(&at, &cell));
+    status = visit(&at, &cell);
   }
-  return PL_OK;
+  pl_rock_region_clear(&at.rocks);
+  return status;
 }
 
 static pl_status append(void *context, const pl_scatter_site *site) {
@@ -127,7 +134,7 @@ pl_status pl_rock_list(const pl_rock_field *field, const pl_terrain *terrain, pl
                    radius_m, direction.x, direction.y, direction.z);
   PL_TRY(check(&list));
   const pl_rock_reach reach = {radius_m, 0.0, min_m, max_m};
-  const pl_status status = pl_rock_sites_near(field, list.axis, &reach, append, &list);
+  const pl_status status = pl_rock_sites_near(field, terrain, list.axis, &reach, append, &list);
   if (status != PL_OK) {
     pl_free(list.rocks);
     return status;

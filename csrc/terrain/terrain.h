@@ -21,6 +21,7 @@
 
 #include "base/status.h"
 #include "math/vec.h"
+#include "terrain/crater_blocks.h"
 #include "terrain/crater_field.h"
 #include "terrain/detail_law.h"
 #include "terrain/raster.h"
@@ -107,6 +108,9 @@ pl_status pl_terrain_block(const pl_terrain *terrain, const pl_terrain_nodes *no
 pl_status pl_terrain_craters(const pl_terrain *terrain, pl_vec3 direction, double radius_m,
                              double min_m, double max_m, pl_crater **out, size_t *count);
 
+/* Lists the craters with blocks within an angle of a direction, as pl_crater_sources. */
+pl_status pl_terrain_sources(const pl_terrain *terrain, const pl_crater_blocks *blocks,
+                             pl_vec3 axis, double angle_rad, pl_crater_source **out, size_t *count);
 /* Writes the excess of brightness of rays (terrain/crater_rays.h) in unit directions, of what the
  * lattice of a level resolves; 0 without them. */
 pl_status pl_terrain_rays(const pl_terrain *terrain, const pl_vec3 *directions, size_t count,

@@ -174,6 +174,13 @@ pl_status pl_terrain_craters(const pl_terrain *terrain, pl_vec3 direction, doubl
                                                    min_m, max_m, out, count);
 }
 
+pl_status pl_terrain_sources(const pl_terrain *terrain, const pl_crater_blocks *blocks,
+                             pl_vec3 axis, double angle_rad, pl_crater_source **out,
+                             size_t *count) {
+  const pl_crater_model model = {posts_m, terrain};
+  return pl_crater_sources(terrain->craters, &model, blocks, axis, angle_rad, out, count);
+}
+
 pl_status pl_terrain_rays(const pl_terrain *terrain, const pl_vec3 *directions, size_t count,
                           int level, float *out) {
   const pl_crater_model model = {posts_m, terrain};

@@ -75,7 +75,8 @@ class RockField:
         law "table": (n, 2) diameters, m, and densities of rocks of these or more, 1/m^2), seed (0 to
         2^64 - 1), min_diameter_m, max_diameter_m, least_burial and most_burial (parts of the height
         below the ground), repose_rad (no rocks on steeper slopes), families (shares by names of
-        ROCK_FAMILIES; those not named have none)."""
+        ROCK_FAMILIES; those not named have none), ejecta_at_rim (density of blocks at rims of new
+        craters over that of the law), ejecta_life_ga, ejecta_least_crater_m."""
     def list(
         self, terrain: Terrain, direction: F64, radius_m: float, min_diameter_m: float = 0.0,
         max_diameter_m: float = 1e300

@@ -88,7 +88,7 @@ static void test_counts(void **state) {
                                    (uint64_t)random_below(&random, cells)};
     const double mean = area_of(&square) * (all.most - all.least);
     const int before = all.count;
-    assert_int_equal(pl_rock_sites(field, &square, add, &all), PL_OK);
+    assert_int_equal(pl_rock_sites(field, NULL, &square, add, &all), PL_OK);
     square_sum += pow(all.count - before - mean, 2.0) / mean;
   }
   if (!(square_sum < 780.0 && square_sum > 450.0))
@@ -170,7 +170,7 @@ static void seat_many(double strength, int count, seats *out) {
     const pl_rock_square square = {random_below(&random, 6), level,
                                    (uint64_t)random_below(&random, 1 << level),
                                    (uint64_t)random_below(&random, 1 << level)};
-    assert_int_equal(pl_rock_sites(field, &square, seat, out), PL_OK);
+    assert_int_equal(pl_rock_sites(field, NULL, &square, seat, out), PL_OK);
   }
   pl_rock_field_destroy(field);
   pl_terrain_destroy(terrain);
@@ -217,10 +217,10 @@ static void test_levels(void **state) {
   pl_rock_field *field = field_of(&frame);
   static ids coarse, fine;
   const pl_rock_square square = {4, 15, 20000, 12840};
-  assert_int_equal(pl_rock_sites(field, &square, keep, &coarse), PL_OK);
+  assert_int_equal(pl_rock_sites(field, NULL, &square, keep, &coarse), PL_OK);
   for (uint64_t part = 0; part < 64; part++) {
     const pl_rock_square inner = {4, 18, 8 * 20000 + part % 8, 8 * 12840 + part / 8};
-    assert_int_equal(pl_rock_sites(field, &inner, keep, &fine), PL_OK);
+    assert_int_equal(pl_rock_sites(field, NULL, &inner, keep, &fine), PL_OK);
   }
   assert_true(coarse.count > 0 && fine.count > 4 * coarse.count);
   for (size_t k = 0; k < coarse.count; k++) {
@@ -275,7 +275,7 @@ static void test_none(void **state) {
   static ids none;
   for (int level = 0; level < 40; level++) {
     const pl_rock_square square = {1, level, 0, 0};
-    assert_int_equal(pl_rock_sites(field, &square, keep, &none), PL_OK);
+    assert_int_equal(pl_rock_sites(field, NULL, &square, keep, &none), PL_OK);
   }
   assert_int_equal(none.count, 0);
   pl_rock_field_destroy(field);

@@ -14,6 +14,7 @@ from tests.python import moon
 from perilune import _core
 from perilune.bodies.rocks import rock_field
 from perilune.config.rocks import FITTED_ABUNDANCE, RockFamilies, RockLaw, Rocks
+from perilune.config.terrain import Terrain
 
 PLACE = np.array([0.9, 0.35, 0.2]) / np.linalg.norm([0.9, 0.35, 0.2])
 HEIGHT_M = 25.0
@@ -192,3 +193,25 @@ def test_errors_of_the_section(keys: dict[str, object], text: str) -> None:
     with pytest.raises(ValidationError) as error:
         Rocks.model_validate(keys)
     assert text in f"{error.value} {error.value.errors()[0]}"
+
+
+def test_more_about_young_craters() -> None:
+    """As the configuration says it; needs craters, and names the key and its limits."""
+    craters = {"law": "power", "coefficient": 0.02, "exponent": -2.0, "surface_age_ga": 0.01,
+               "min_diameter_m": 60.0, "max_diameter_m": 200.0}  # fmt: skip
+    relief = _core.CraterField({"radius_m": moon.RADIUS_M} | craters)
+    counts = []
+    for ejecta in (None, {}, {"at_rim": 60.0}, {"least_crater_m": 300.0}):
+        rocks = rock_field(
+            Rocks.model_validate({"min_diameter_m": 1.0, "ejecta": ejecta}), moon.RADIUS_M
+        )
+        terrain = _core.Terrain(np.full(3, moon.RADIUS_M), [], None, relief, rocks)
+        counts.append(len(rocks.list(terrain, PLACE, 1200.0, 1.0)))
+    assert counts[0] == counts[3]
+    assert counts[0] + 4.0 * math.sqrt(counts[0]) < counts[1]
+    assert counts[2] - counts[0] == pytest.approx(3.0 * (counts[1] - counts[0]), rel=0.15)
+    Terrain.model_validate({"craters": {}, "rocks": {"ejecta": {}}})
+    with pytest.raises(ValidationError, match="does nothing without craters"):
+        Terrain.model_validate({"rocks": {"ejecta": {}}})
+    with pytest.raises(ValidationError, match="at_rim"):
+        Rocks.model_validate({"ejecta": {"at_rim": 0.0}})

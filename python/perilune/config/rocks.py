@@ -70,6 +70,21 @@ class RockFamilies(Strict):
         return self
 
 
+class RockEjecta(Strict):
+    """More rocks about young craters: blocks that impacts dug out and that later ones have not
+    ground down yet. Needs terrain.craters."""
+
+    at_rim: Annotated[float, Field(strict=True, gt=0.0, le=1000.0)] = 20.0
+    """Density at the rim of a new crater, over that of the law; it is added to it. It falls as
+    exp(-1/0.7) per radius outwards, to 5 radii; inside there is a twentieth of it."""
+    life_ga: Annotated[float, Field(strict=True, gt=0.0, le=4.5)] = 0.3
+    """Age of a crater at which it has none left, in 10^9 years. The density falls as the third
+    power of what is left of it: by half in a fifth of it. Small craters that are worn down sooner
+    have none from a degradation tau of 0.02 on."""
+    least_crater_m: Positive = 25.0
+    """Diameter of the smallest craters with blocks: smaller ones lie in the soil alone."""
+
+
 class Rocks(Strict):
     """Rocks that lie on the ground.
 
@@ -116,6 +131,8 @@ class Rocks(Strict):
     """Greatest part of a rock's height that is below the ground."""
     repose_deg: _Slope = 35.0
     """There are no rocks on steeper slopes, and fewer from 0.7 of it on."""
+    ejecta: RockEjecta | None = None
+    """More rocks about young craters; none by default."""
     families: RockFamilies | None = None
     """Shares of the families of shapes. Default: angular ones more often than round ones."""
 

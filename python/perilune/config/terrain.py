@@ -119,6 +119,8 @@ class Terrain(Strict):
         if not self.elevation and self.detail is None and self.craters is None:
             text = "null: without elevation or craters there is then no ground; leave terrain out"
             fail("detail", text)
+        if self.rocks is not None and self.rocks.ejecta is not None and self.craters is None:
+            fail("rocks.ejecta", "does nothing without craters")
         if not self.elevation and self.detail is not None and self.detail.from_elevation:
             fail("detail.from_elevation", "true: there is no elevation")
         return self
