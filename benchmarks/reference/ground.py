@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 import perilune
@@ -16,12 +18,14 @@ FARTHEST = 0.02
 """Farthest distance that a flat lattice serves, over the body's radius."""
 
 
-def check(name: str, terrain: object) -> list[str]:
+def check(name: str, terrain: Any) -> list[str]:
     """Keys that are not exported."""
     if terrain is None:
         return []
-    rocks = getattr(terrain, "rocks", None)
-    return [] if rocks is None else [f"bodies.{name}.terrain.rocks"]
+    rays = None if terrain.craters is None else terrain.craters.rays
+    given = {"rocks": terrain.rocks, "craters.rays": rays}
+    given |= {"albedo": terrain.albedo or None, "roughness": terrain.roughness or None}
+    return [f"bodies.{name}.terrain.{key}" for key, value in given.items() if value is not None]
 
 
 def square(

@@ -174,9 +174,13 @@ FRAMES = {
             "bodies.moon.reflectance": "lambert",
             "bodies.moon.albedo": 0.3,
             "bodies.moon.terrain.rocks": None,
+            "bodies.moon.terrain.craters.rays": None,
             "sun.at.elevation_deg": 12.0,
             "sun.at.azimuth_deg": 70.0,
-            "render.force_off": ["sub_cell_normals"],  # the mesh that is exported has no such
+            "render.force_off": [
+                "limb_darkening",
+                "sub_cell_normals",
+            ],  # the mesh has no such slopes
         },
     ),
     "foil": Frame(alone(), make=foil),
