@@ -131,7 +131,7 @@ static const struct place {
 /* Casts packets of rays: numbers of those that get through by packets, alone, and by Embree alone.
  */
 static void count_through(const world *w, const struct place *place, test_random *random,
-                          size_t out[3]) {
+                          int out[3]) {
   enum { N = PL_TRACER_PACKET };
   pl_ray rays[N];
   pl_hit hits[3][N];
@@ -156,7 +156,7 @@ static void count_through(const world *w, const struct place *place, test_random
 
 static void no_ray_slips_through_at_posts(void **state) {
   (void)state;
-  size_t through[3] = {0, 0, 0};
+  int through[3] = {0, 0, 0};
   for (size_t n = 0; n < sizeof PLACES / sizeof *PLACES; n++) {
     world w;
     test_random random = {.seed = n};
@@ -164,7 +164,7 @@ static void no_ray_slips_through_at_posts(void **state) {
     count_through(&w, &PLACES[n], &random, through);
     close_world(&w);
   }
-  print_message("[          ] %zu rays slip through Embree's grids alone\n", through[2]);
+  print_message("[          ] %d rays slip through Embree's grids alone\n", through[2]);
   assert_int_equal(through[0], 0);
   assert_int_equal(through[1], 0);
   assert_true(PL_SEEN(through[2], 0));
@@ -201,7 +201,7 @@ static bool is_dark_around(const world *w, const pl_ray *ray) {
 static void no_sunlight_slips_through_at_posts(void **state) {
   (void)state;
   enum { N = PL_TRACER_PACKET };
-  size_t dark = 0;
+  int dark = 0;
   for (size_t n = 0; n < sizeof PLACES / sizeof *PLACES; n++) {
     world w;
     test_random random = {.seed = 10 + n};
