@@ -23,7 +23,8 @@ from perilune.config import Config, ConfigError
 from perilune.config.errors import named, nearest
 from perilune.document import Document, load
 from perilune.document.references import OBJECTS, OF_SENSOR, check_channels, check_references
-from perilune.frame import craters, labels, passes, rocks, shutter
+from perilune.frame import craters, labels, passes, shutter
+from perilune.frame.ground_tables import GroundTables, body_with_terrain
 from perilune.frame.handles import Assets, Handles, ObjectModel
 from perilune.frame.remarks import Remarks
 from perilune.frame.request import arrays_of, camera_label, request_of
@@ -50,10 +51,6 @@ ConfigSource = str | os.PathLike[str] | Mapping[str, Any]
 _orphans: list[Handles | Assets] = []
 """Objects of a parent process. A fork must neither use nor destroy them, because the ray tracer's
 threads do not exist in the child; so they stay referenced until the child ends."""
-
-
-_MOST_IN_TABLES = 500_000
-"""Craters about the ground in view of a frame, of which a dataset has a table."""
 
 
 def default_threads() -> int:
@@ -260,12 +257,12 @@ class Simulation:
 
     def system(self, index: int) -> System:
         """Motion of bodies and spacecraft in a frame, at any time."""
-        index = _checked_index(index)
+        index = arguments.frame_index(index)
         return System(self._setting(self.config_at(index)[0], index))
 
     def world(self, index: int) -> World:
         """Everything in a frame except the camera's pose: a perilune.world.World."""
-        index = _checked_index(index)
+        index = arguments.frame_index(index)
         config, drawn = self.config_at(index)
         mine = self._mine()
         radii_m, shapes = mine.radii_m(config), mine.shapes_of(config)
@@ -375,7 +372,7 @@ class Simulation:
         asked = self.config.render.channels if channels is None else channels
         names = arguments.names("channels", asked)
         check_channels(names, self.config, "channels")
-        count = default_threads() if threads is None else _checked_threads(threads)
+        count = arguments.whole("threads", default_threads() if threads is None else threads, 1)
         scene = self.world(index)
         handles = self._mine()
         posed = handles.posed(shutter.middle(scene))
@@ -421,15 +418,7 @@ class Simulation:
         body: default the only one with `terrain`. The same object as long as no driver of the
         terrain changes. Raises ValueError for a body without terrain."""
         config, _ = self.config_at(index)
-        having = [name for name, entry in config.bodies.items() if entry.terrain is not None]
-        if body is None and len(having) == 1:
-            body = having[0]
-        if body not in having:
-            said = "several bodies have" if body is None else f"'{body}' has no"
-            raise ValueError(
-                f"body: {said} terrain; those with terrain: {', '.join(having) or '-'}"
-            )
-        return self._mine().terrain_of(config, body)[0]
+        return self._mine().terrain_of(config, body_with_terrain(config, body))[0]
 
     def craters(
         self,
@@ -451,7 +440,7 @@ class Simulation:
         name = craters.body_of(scene.config, body, "craters")
         labelled = [] if scene.config.labels.craters is None else ["crater_id"]
         sample = self.frame(index, ["position", "instance", *labelled], threads)
-        return self._craters(scene, sample, name, least_px, most)
+        return self._tables(scene, sample).craters(name, least_px, most)
 
     def rocks(self, index: int, body: str | None = None, threads: int | None = None) -> Array:
         """Rocks that a frame shows, most pixels first: rows of frame.rocks.ROCK_LABEL.
@@ -459,59 +448,18 @@ class Simulation:
         body: default the only one with `terrain.rocks`. docs/labels.md explains the fields."""
         scene = self.world(index)
         name = craters.body_of(scene.config, body, "rocks")
-        return self._rocks(scene, self.frame(index, ["rock_id", "instance"], threads), name)
+        sample = self.frame(index, ["rock_id", "instance"], threads)
+        return self._tables(scene, sample).rocks(name)
 
     def ground_tables(self, sample: Sample) -> dict[str, Array]:
         """The tables of a frame that `craters` and `rocks` give, of all bodies, largest first.
 
         `craters` if the sample has crater_id, instance and position, `rocks` if it has rock_id and
         instance. Craters are those of labels.craters.least_px or more."""
-        scene, found = self.world(sample.meta["index"]), {}
-        shown = scene.config.labels.craters
-        least_px = shown.least_px if shown is not None else 1.0  # no sample has crater_id then
-        parts = {
-            "craters": [
-                self._craters(scene, sample, name, least_px, _MOST_IN_TABLES)
-                for name in craters.bodies_with(scene.config, "craters")
-                if {"crater_id", "instance", "position"} <= set(sample)
-            ],
-            "rocks": [
-                self._rocks(scene, sample, name)
-                for name in craters.bodies_with(scene.config, "rocks")
-                if {"rock_id", "instance"} <= set(sample)
-            ],
-        }
-        for table, rows in parts.items():
-            if rows:
-                found[table] = np.concatenate(rows)
-        return found
+        return self._tables(self.world(sample.meta["index"]), sample).all()
 
-    def _craters(
-        self, scene: World, sample: Sample, name: str, least_px: float, most: int
-    ) -> Array:
-        number = self.taxonomy.instances[name]
-        terrain, _ = self._mine().terrain_of(scene.config, name)
-        rows = craters.in_view(
-            sample["position"],
-            sample["crater_id"] if "crater_id" in sample else np.zeros_like(sample["instance"]),
-            sample["instance"] == number,
-            sample.camera,
-            shutter.middle(scene),
-            name,
-            terrain,
-            least_px,
-            most,
-            self._mine().catalogue_of(scene.config, name),
-        )
-        rows["instance_id"] = number
-        return rows
-
-    def _rocks(self, scene: World, sample: Sample, name: str) -> Array:
-        number = self.taxonomy.instances[name]
-        ids = np.where(sample["instance"] == number, sample["rock_id"], 0)
-        rows = rocks.in_view(ids, sample.camera, self._mine().terrain_of(scene.config, name)[0])
-        rows["instance_id"] = number
-        return rows
+    def _tables(self, scene: World, sample: Sample) -> GroundTables:
+        return GroundTables(scene, sample, sample.camera, self._mine(), self.taxonomy)
 
     def _meta(
         self, scene: World, posed: Mapping[str, articulation.Posed], result: _core.FrameResult
@@ -639,16 +587,3 @@ def _hooks_of(orbits: Mapping[str, Hook] | None, config: Config) -> dict[str, Ho
             raise ConfigError(f"orbits: no entry named '{name}'{nearest(name, known)}")
         arguments.function(f"orbits['{name}']", hook, _AS_HOOK)
     return found
-
-
-def _checked_index(index: int) -> int:
-    number = index.__index__() if hasattr(index, "__index__") else None
-    if number is None:
-        raise TypeError(f"a frame's index is an integer, not {type(index).__name__} {index!r:.60}")
-    if not 0 <= number < 2**31:
-        raise IndexError(f"frame {number}: indices run from 0 to 2^31 - 1")
-    return number
-
-
-def _checked_threads(threads: int) -> int:
-    return arguments.whole("threads", threads, 1)

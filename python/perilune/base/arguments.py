@@ -16,6 +16,16 @@ def whole(name: str, value: Any, least: int | None = None) -> int:
     return number
 
 
+def frame_index(index: Any) -> int:
+    """A frame's index as an int; TypeError, or IndexError for one that no frame has."""
+    number = index.__index__() if hasattr(index, "__index__") else None
+    if number is None:
+        raise TypeError(f"a frame's index is an integer, not {type(index).__name__} {index!r:.60}")
+    if not 0 <= number < 2**31:
+        raise IndexError(f"frame {number}: indices run from 0 to 2^31 - 1")
+    return int(number)
+
+
 def mapping(name: str, value: Any, like: str) -> Mapping[str, Any]:
     """A mapping with texts as keys; otherwise TypeError with an example."""
     if not isinstance(value, Mapping):

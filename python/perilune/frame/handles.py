@@ -332,10 +332,6 @@ class Handles:
         """The terrain of a body that has one; the same objects as long as no driver changes it."""
         return self.assets.terrains.of_terrain(self.document, name, config.bodies[name], self)
 
-    def catalogue_of(self, config: Config, name: str) -> NDArray[np.void] | None:
-        """The catalogue of a body's craters; None if it has none."""
-        return self.assets.terrains.catalogue(self.document, name, config.bodies[name])
-
     def posed(self, scene: World) -> dict[str, articulation.Posed]:
         """Spacecraft entry -> poses of its moving parts in a frame, for those that have any."""
         scales = self.scales(scene.config)
