@@ -510,7 +510,7 @@ def test_every_physical_key_has_its_unit():
         "breccia", "pitted", "abundance", "least_burial", "most_burial",  # of rocks
         "least_depth", "least_kept",  # of labels
         "points",  # of discs
-        "albedo_contrast", "band", "offset", "reach",  # of maps, and of rays of craters
+        "albedo_contrast", "band", "offset", "reach", "at_rim",  # of maps, and of rays and blocks
     }  # fmt: skip
     schema = Config.model_json_schema()
     found = 0
