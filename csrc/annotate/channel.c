@@ -117,6 +117,12 @@ static void write_phase(const pl_label_run *run, void *pixels) {
   fill_angle(run->count, run->to_viewer, run->to_sun, pixels);
 }
 
+static void write_shadow(const pl_label_run *run, void *pixels) {
+  uint8_t *out = pixels;
+  for (size_t i = 0; i < run->count; i++)
+    out[i] = run->points[i].in_shadow;
+}
+
 const pl_channel pl_channels[] = {
     {"depth", "float32", 4, 0, "m", "z along the optical axis; 0 where nothing is hit",
      PL_BLANK_ZERO, write_depth},
@@ -148,6 +154,10 @@ const pl_channel pl_channels[] = {
      PL_BLANK_NAN, write_emission},
     {"phase", "float32", 4, 0, "rad", "viewer to sun at the surface; nan where nothing is hit",
      PL_BLANK_NAN, write_phase},
+    {"shadow", "uint8", 1, 0, "1",
+     "1 where the surface does not see the sun's centre: it faces away, or something is between; 0 "
+     "where it does, and where nothing is hit",
+     PL_BLANK_ZERO, write_shadow},
     {"elevation", "float32", 4, 0, "m",
      "height of the ground over the body's ellipsoid, along the radius; nan off the ground",
      PL_BLANK_NAN, pl_write_elevation},
@@ -269,6 +279,8 @@ static bool asks_for(void (*write)(const pl_label_run *, void *), void *const *i
       return true;
   return false;
 }
+
+bool pl_channels_need_shadows(void *const *images) { return asks_for(write_shadow, images); }
 
 void pl_channels_write(const pl_snapshot *shot, const pl_vertex *points, size_t count, size_t first,
                        void *const *images) {

@@ -51,6 +51,9 @@ extern const size_t pl_channel_count;
  * levels, or of baselines. */
 size_t pl_channel_elements(const pl_channel *channel, int many);
 
+/* Whether a requested channel needs in_shadow of the points, see render/shadow_mask.h. */
+bool pl_channels_need_shadows(void *const *images);
+
 /* Writes `count` pixels of a row to every requested channel. `images` is indexed as pl_channels;
  * NULL where a channel is not requested. `first` is the row-major index of the first pixel. */
 void pl_channels_write(const pl_snapshot *shot, const pl_vertex *points, size_t count, size_t first,

@@ -13,6 +13,7 @@
 #include "render/focus.h"
 #include "render/reflectance_lod.h"
 #include "render/planetshine.h"
+#include "render/sun_ray.h"
 #include "shade/reflectance.h"
 
 enum { ROULETTE_AFTER = 3 };
@@ -97,19 +98,6 @@ static void shade_miss(const pl_path_context *context, int bounce, const pl_path
   add(pl_path_sink(b, path->pixel, path->shared), pl_vec3f_mul(light, ratio));
 }
 
-/* The sun as seen from a vertex. Across an object its direction changes by the object's size over
- * the sun's distance, which is negligible unless the object is as large as a body. */
-static pl_sun_view sun_at(const pl_path_context *context, const pl_vertex *vertex) {
-  const double negligible = 1e-6;
-  if (pl_surface_is_mesh(vertex->surface_id)) {
-    const pl_sun_view *sun = &context->suns[pl_surface_index(vertex->surface_id)];
-    if (pl_shot_object_of(context->shot, vertex->surface_id)->radius_m <
-        negligible * sun->distance_m)
-      return *sun;
-  }
-  return pl_sun_view_at(&context->shot->sun, vertex->position);
-}
-
 /* Whether shadow rays are needed from a vertex. */
 static bool shadows_at(const pl_path_context *context, const pl_vertex *vertex) {
   if (!context->settings->cast_shadows)
@@ -152,7 +140,7 @@ static size_t shade_sun(const pl_path_context *context, const pl_path *path,
   const pl_surface *s = &vertex->surface;
   if (dark_at(context, vertex))
     return queued;
-  const pl_sun_view sun = sun_at(context, vertex);
+  const pl_sun_view sun = pl_sun_view_of(context->shot, context->suns, vertex);
   const sun_draw draw = draw_sun(context, &sun, u);
   if (!pl_surface_admits(s, draw.toward))
     return queued;
@@ -179,13 +167,7 @@ static size_t shade_sun(const pl_path_context *context, const pl_path *path,
     add(pl_path_sink(b, path->pixel, path->shared), light);
     return queued;
   }
-  /* Ends at the sun's surface, less a margin for rounding, so that a body that represents the sun
-   * does not occlude it. */
-  const float reach = sun.distance_m * (1.0f - sun.sin_radius) * 0.999999f;
-  b->shadow_rays[queued] = pl_vertex_ray(vertex, context->shot, draw.toward, reach);
-  if (pl_surface_is_mesh(vertex->surface_id) &&
-      !pl_shot_object_of(context->shot, vertex->surface_id)->eclipsed)
-    b->shadow_rays[queued].skip_body = PL_EVERY_BODY;
+  b->shadow_rays[queued] = pl_sun_ray(vertex, context->shot, &sun, draw.toward);
   b->pending[queued] = (pl_pending){light, path->pixel, path->shared};
   return queued + 1;
 }

@@ -11,6 +11,7 @@
 #include "render/irradiance_filter.h"
 #include "render/coverage_mask.h"
 #include "render/irradiance_record.h"
+#include "render/shadow_mask.h"
 
 /* Number of samples after which the noise is checked first; then at every doubling. */
 enum { FIRST_CHECK = 2 };
@@ -302,6 +303,11 @@ static void sample_slice(const job *job, pl_tile tile, const content *content, p
   pl_path_slice(&context, b);
 }
 
+static void fill_shadows(const job *job, pl_tile tile, const content *content, pl_tile_buffers *b) {
+  const pl_path_context context = context_of(job, tile, content);
+  pl_shadow_mask(&context, b);
+}
+
 static pl_status sample_colour(const job *job, size_t item, int worker, const content *content) {
   const pl_tile tile = tile_of(job, item);
   const int column = (int)(item % (size_t)job->columns);
@@ -355,6 +361,8 @@ static pl_status render_tile(void *context, size_t nth, int worker) {
       sample_slice(job, tile, &content, b);
   } else if (anything) {
     fill_points(job, tile, &content, b);
+    if (job->settings->shadow_mask)
+      fill_shadows(job, tile, &content, b);
     if (job->settings->samples > 0)
       PL_TRY(sample_colour(job, item, worker, &content));
   } else {

@@ -23,6 +23,7 @@ typedef struct pl_vertex {
   double t;         /* along the beam, m */
   pl_surface_id surface_id;
   uint32_t triangle;
+  bool in_shadow;        /* set only by pl_shadow_mask */
   float w[3];            /* barycentric weights */
   pl_vec3f edge1, edge2; /* of a mesh's triangle: corner 1 - corner 0, corner 2 - corner 0, m */
   pl_vec3f ng;           /* outward geometric normal (by the file's winding), unit */

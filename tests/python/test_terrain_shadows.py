@@ -91,7 +91,8 @@ def in_shadow(shape: Shape, x: F64, y: F64, sun: F64, step_m: float) -> NDArray[
 def frame(
     folder: Path, shape: Shape, elevation_deg: float, wide_m: float
 ) -> tuple[F64, F64, NDArray[np.bool_]]:
-    """Coordinates of pixels, and whether they are dark; a point Sun in the east."""
+    """Coordinates of pixels, and whether they are in shadow; a point Sun in the east. What the mask
+    says is black in colour, and the rest of that faces away."""
     along = 0.25 * np.arange(-220, 221)
     y, x = np.meshgrid(along[::-1], along, indexing="ij")
     np.save(folder / "shape.npy", shape(x, y).astype(np.float32))
@@ -118,11 +119,14 @@ def frame(
         "render": {"samples": 1, "max_bounces": 0, "force_off": ["soft_sun", "antialiasing"]},
     }  # fmt: skip
     sim = perilune.open(tree)
-    sample = sim.frame(0, ["radiance", "position"], threads=1)
+    sample = sim.frame(0, ["radiance", "position", "shadow", "incidence"], threads=1)
+    black, masked = sample["radiance"][..., 1] == 0.0, sample["shadow"] == 1
+    away = sample["incidence"] > 0.5 * math.pi - 1e-4
+    assert (masked & ~black).sum() + (black & ~masked & ~away).sum() <= 5  # by rounding
     pose = shutter.middle(sim.world(0)).poses["moon"][0]
     place_m = (sample["position"].astype(float) - pose[:3]) @ rotations.to_matrix(pose[3:])
     over = place_m * (RADIUS_M / np.linalg.norm(place_m, axis=-1, keepdims=True))
-    return over @ EAST, over @ NORTH, sample["radiance"][..., 1] == 0.0
+    return over @ EAST, over @ NORTH, masked
 
 
 @pytest.mark.parametrize("elevation_deg", SUNS)

@@ -19,6 +19,8 @@ from perilune.spacecraft.parts import PartEntry
 BACKGROUND = "background"
 HAZARDS = {0: "safe", 1: "slope", 2: "roughness", 4: "rocks", 128: "unknown"}
 """Bits of the channel `hazard`, which are summed."""
+SHADOWS = {0: "sunlit or sky", 1: "shadow"}
+"""Values of the channel `shadow`."""
 _SURFACE = "surface"
 _IDS_MAX = 65535
 
@@ -68,7 +70,8 @@ class Taxonomy:
     def channel_names(self) -> dict[str, dict[int, str]]:
         """`names` of instance, part, semantic/0, semantic/1 ..."""
         channels = ["instance", "part", *(f"semantic/{k}" for k in range(len(self.levels)))]
-        return {channel: self.names(channel) for channel in channels} | {"hazard": HAZARDS}
+        named = {channel: self.names(channel) for channel in channels}
+        return named | {"hazard": HAZARDS, "shadow": SHADOWS}
 
     def class_ids(self, *names: Mapping[str, str]) -> NDArray[np.uint16]:
         """(n, levels): class ids of objects given by their class name at each level; 0 without

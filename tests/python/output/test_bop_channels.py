@@ -53,6 +53,7 @@ def test_every_channel_of_the_core_is_on_disk_as_it_is(dataset, sim):
         "part",
         "instance",
         "hazard",
+        "shadow",
     }
     names = {"0": "background", "1": "planet", "2": "probe", "3": "mate"}
     assert info["labels"]["instance"] == names

@@ -21,7 +21,7 @@ from perilune.camera import bands
 from perilune.document.references import MASKS, OBJECTS, OF_SENSOR
 from perilune.export.writers.bop_files import PNG_LEVEL, RGB_FOLDER, write_bytes
 from perilune.frame.craters import bodies_with
-from perilune.frame.labels import HAZARDS
+from perilune.frame.labels import HAZARDS, SHADOWS
 from perilune.frame.request import channel_layout
 from perilune.simulation import Simulation
 
@@ -119,8 +119,9 @@ def label_names(sim: Simulation, channels: Iterable[str]) -> dict[str, Any]:
             found[channel] = [{"level": level, "names": names_of(level)} for level in levels]
         elif channel in ("instance", "part"):
             found[channel] = names_of(channel)
-        elif channel == "hazard":
-            found[channel] = {str(bit): name for bit, name in HAZARDS.items()}
+        elif channel in ("hazard", "shadow"):
+            values = HAZARDS if channel == "hazard" else SHADOWS
+            found[channel] = {str(value): name for value, name in values.items()}
     return found
 
 

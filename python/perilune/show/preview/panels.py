@@ -206,6 +206,19 @@ def hazard_panel(name: str, values: Array, context: Context) -> list[Panel]:
     return [Panel(name, image, text="" if swatches else "no ground in view", swatches=swatches)]
 
 
+_SUNLIT, _SHADED = (214, 205, 180), (62, 68, 92)
+
+
+def shadow_panel(name: str, values: Array, context: Context) -> list[Panel]:
+    """Sunlit surfaces light, those in shadow dark."""
+    image = np.empty((*values.shape, 3), dtype=np.uint8)
+    image[:] = colors.EMPTY
+    image[_valid(values, context) & (values == 0)] = _SUNLIT
+    image[values == 1] = _SHADED
+    swatches = [(np.array(_SHADED, dtype=np.uint8), f"shadow: {(values == 1).sum()} px")]
+    return [Panel(name, image, swatches=swatches)]
+
+
 Kind = Callable[[str, Array, Context], list[Panel]]
 
 KINDS: dict[str, Kind] = {
@@ -221,6 +234,7 @@ KINDS: dict[str, Kind] = {
     "slope_baseline": layers_panel,
     "rms_height": layers_panel,
     "hazard": hazard_panel,
+    "shadow": shadow_panel,
 }
 """Channels with a panel of their own; others are shown by their shape and type."""
 

@@ -1,0 +1,44 @@
+#include "render/shadow_mask.h"
+
+#include "render/geometry.h"
+#include "render/sun_ray.h"
+
+/* The sine of the sun's angular radius on its own surface, less rounding. */
+static const float OWN_SURFACE = 0.999f;
+
+/* Makes the ray that decides whether a point is in shadow; false if that is known without, and set.
+ */
+static bool ray_of(const pl_path_context *context, pl_vertex *point, pl_ray *out) {
+  const pl_snapshot *shot = context->shot;
+  const pl_geometry_kind *kind = pl_geometry_of(point->surface_id);
+  point->in_shadow = true;
+  if (pl_surface_is_mesh(point->surface_id) && pl_shot_object_of(shot, point->surface_id)->dark)
+    return false;
+  pl_vertex vertex = *point;
+  if (kind->set_horizon != NULL)
+    kind->set_horizon(shot, &vertex);
+  const pl_sun_view sun = pl_sun_view_of(shot, context->suns, &vertex);
+  if (sun.sin_radius > OWN_SURFACE) { /* a body that represents the sun */
+    point->in_shadow = false;
+    return false;
+  }
+  if (!(pl_vec3f_dot(vertex.surface.ng, sun.direction) > 0.0f))
+    return false;
+  *out = pl_sun_ray(&vertex, shot, &sun, sun.direction);
+  return true;
+}
+
+void pl_shadow_mask(const pl_path_context *context, pl_tile_buffers *b) {
+  size_t count = 0;
+  for (int y = 0; y < context->tile.height; y++)
+    for (int x = 0; x < context->tile.width; x++) {
+      const uint32_t pixel = (uint32_t)(y * PL_TILE_SIDE + x);
+      pl_vertex *point = &b->points[pixel];
+      if (!pl_surface_is_none(point->surface_id) && ray_of(context, point, &b->shadow_rays[count]))
+        b->wave_seeds[count++] = pixel;
+    }
+  /* Ray by ray: packets would depend on what their neighbours see. */
+  pl_tracer_occluded(context->tracer, b->shadow_rays, b->occluded, count, false);
+  for (size_t i = 0; i < count; i++)
+    b->points[b->wave_seeds[i]].in_shadow = b->occluded[i];
+}
