@@ -50,6 +50,8 @@ ROWS = {
     "depth_of_field": ("focus.c",),
     "motion_blur": ("slice.c",),
     "rolling_shutter": ("pl_moving_render",),
+    "sub_cell_normals": ("sub_cell.c",),
+    "crater_rays": ("crater_rays.c", "ground_tile_rays.c", "pl_height_field_rays"),
 }
 
 
@@ -98,7 +100,7 @@ def instructions(dump: Path, table: list[tuple[int, int, str, str]]) -> dict[str
 
 
 def profiles(program: str, library: str) -> dict[str, dict[str, int]]:
-    """Of each frame, by the row that is off; "all", "moving": none is."""
+    """Of each frame, by the row that is off; "all", "moving", "ground": none is."""
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder, "counts")
         command = ["valgrind", "--tool=callgrind", "--dump-instr=yes", "--compress-strings=no",
@@ -118,7 +120,7 @@ def profiles(program: str, library: str) -> dict[str, dict[str, int]]:
 
 def main() -> None:
     found = profiles(*sys.argv[1:])
-    if set(found) != {"all", "moving", *ROWS}:
+    if set(found) != {"all", "moving", "ground", *ROWS}:
         sys.exit(f"frames of the program: {sorted(found)}")
     faults = []
     for row, parts in ROWS.items():

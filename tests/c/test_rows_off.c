@@ -8,6 +8,7 @@
 #include "clouds.h"
 #include "frames.h"
 #include "graphs.h"
+#include "terrain/terrain.h"
 
 enum { WIDTH = 32, HEIGHT = 24 };
 
@@ -17,7 +18,7 @@ static const double AU = 149597870700.0;
  * be off for that: light between surfaces keeps Hapke's law, for which cheaper ones are not fit. */
 typedef struct row_off {
   const char *name, *with[2];
-  bool moving; /* in a frame that moves and is not sharp */
+  enum { STILL, MOVING, GROUND } frame; /* MOVING: and not sharp; GROUND: of terrain alone */
 } row_off;
 /* clang-format off: a line each */
 static const row_off rows[] = {
@@ -48,9 +49,11 @@ static const row_off rows[] = {
     {.name = "black_sun"},
     {.name = "read_noise"},
     {.name = "compression"},
-    {.name = "depth_of_field", .moving = true},
-    {.name = "motion_blur", .with = {"rolling_shutter"}, .moving = true},
-    {.name = "rolling_shutter", .with = {"motion_blur"}, .moving = true},
+    {.name = "depth_of_field", .frame = MOVING},
+    {.name = "motion_blur", .with = {"rolling_shutter"}, .frame = MOVING},
+    {.name = "rolling_shutter", .with = {"motion_blur"}, .frame = MOVING},
+    {.name = "sub_cell_normals", .frame = GROUND},
+    {.name = "crater_rays", .frame = GROUND},
 };
 /* clang-format on */
 enum { ROWS = sizeof rows / sizeof *rows };
@@ -184,7 +187,7 @@ static uint64_t mask_of(const row_off *row) {
 /* rows_off.py has callgrind dump at the end of this function: it must stay one. */
 __attribute__((noinline)) static void rows_off_frame(const stage *s, pl_renderer *renderer,
                                                      const pl_sensor *sensor, const row_off *row,
-                                                     bool moving, uint16_t *raw, uint8_t *rgb) {
+                                                     int kind, uint16_t *raw, uint8_t *rgb) {
   pl_frame_request request = {
       .seed = 1,
       .placement = s->placement,
@@ -192,23 +195,38 @@ __attribute__((noinline)) static void rows_off_frame(const stage *s, pl_renderer
       .max_bounces = 1,
       .volume_steps = 4,
       .texture_filter = PL_FILTER_FINEST,
-      .wish = {.tolerance_dn = moving ? 1.0 : 0.0, .force_off = mask_of(row)},
+      .wish = {.tolerance_dn = kind == MOVING ? 1.0 : 0.0, .force_off = mask_of(row)},
       .exposure = {.white_radiance = 1361.0 / PL_PI},
       .threads = 1,
       .sensor = sensor,
       .raw = raw,
       .sensor_rgb = rgb};
-  if (!moving) /* there the number of instants is the plan's */
+  if (kind != MOVING) /* there the number of instants is the plan's */
     request.wish.force_on = all_effects() & ~request.wish.force_off;
   const pl_frame_result result = render(renderer, &request);
   if (row != NULL)
     assert_int_equal(pl_plan_value(&result.plan, pl_effects[pl_effect_find(row->name)]), 0);
 }
 
-static void test_rows_that_are_off(void **state) {
-  (void)state;
+/* Renders a frame with all rows, called `name`, and one without each of its rows. */
+static void compare_rows(const stage *s, pl_renderer *renderer, const pl_sensor *sensor, int kind,
+                         const char *name) {
   static uint16_t raw[2][WIDTH * HEIGHT];
   static uint8_t rgb[2][3 * WIDTH * HEIGHT];
+  for (int i = -1; i < ROWS; i++) { /* the first frame has all */
+    if (i >= 0 && (int)rows[i].frame != kind)
+      continue;
+    const int k = i < 0 ? 0 : 1;
+    rows_off_frame(s, renderer, sensor, i < 0 ? NULL : &rows[i], kind, raw[k], rgb[k]);
+    if (i >= 0 && memcmp(raw[0], raw[1], sizeof raw[0]) == 0 &&
+        memcmp(rgb[0], rgb[1], sizeof rgb[0]) == 0)
+      fail_msg("%s changes nothing", rows[i].name);
+    printf("frame %s\n", i >= 0 ? rows[i].name : name);
+  }
+}
+
+static void test_rows_that_are_off(void **state) {
+  (void)state;
   stage s;
   pl_renderer *renderer;
   pl_model *ground = square_create(3.0), *lamp = square_create(0.5), *mirror = square_create(1.0);
@@ -226,20 +244,9 @@ static void test_rows_that_are_off(void **state) {
   pl_rings *rings = put_rings(&s);
   const pl_sensor sensor = flight_sensor();
   assert_int_equal(pl_renderer_create(&s.scene, &renderer), PL_OK);
-  for (int moving = 0; moving < 2; moving++) {
-    if (moving)
-      set_moving(&s);
-    for (int i = -1; i < ROWS; i++) { /* the first frame has all */
-      if (i >= 0 && rows[i].moving != (moving == 1))
-        continue;
-      const int k = i < 0 ? 0 : 1;
-      rows_off_frame(&s, renderer, &sensor, i < 0 ? NULL : &rows[i], moving, raw[k], rgb[k]);
-      if (i >= 0 && memcmp(raw[0], raw[1], sizeof raw[0]) == 0 &&
-          memcmp(rgb[0], rgb[1], sizeof rgb[0]) == 0)
-        fail_msg("%s changes nothing", rows[i].name);
-      printf("frame %s\n", i >= 0 ? rows[i].name : moving ? "moving" : "all");
-    }
-  }
+  compare_rows(&s, renderer, &sensor, STILL, "all");
+  set_moving(&s);
+  compare_rows(&s, renderer, &sensor, MOVING, "moving");
   pl_renderer_destroy(renderer);
   stage_clear(&s);
   pl_graph_destroy(graph);
@@ -250,9 +257,51 @@ static void test_rows_that_are_off(void **state) {
   pl_rings_destroy(rings);
 }
 
+/* Large craters with rays, and fine detail. */
+static pl_terrain *make_ground(double radius_m, pl_crater_field **craters) {
+  pl_crater_frame given = pl_crater_frame_default(radius_m);
+  given.min_m = 2e3;
+  given.max_m = 2e4;
+  given.rays = (pl_crater_rays){.brightness = 0.6, .fade_ga = 3.0, .reach = 8.0};
+  assert_int_equal(pl_crater_field_create(&given, craters), PL_OK);
+  const pl_terrain_frame frame = {.radii_m = {radius_m, radius_m, radius_m},
+                                  .detail = pl_terrain_detail_default(radius_m),
+                                  .craters = *craters};
+  pl_terrain *terrain;
+  assert_int_equal(pl_terrain_create(&frame, &terrain), PL_OK);
+  return terrain;
+}
+
+static void test_rows_of_ground_that_are_off(void **state) {
+  (void)state;
+  static const double radius_m = 1737400.0;
+  stage s;
+  pl_renderer *renderer;
+  pl_crater_field *craters;
+  stage_init(&s, WIDTH, HEIGHT, 40.0);
+  s.placement.sun = (pl_sun){.position_m = {0.6 * AU, 0, -0.8 * AU},
+                             .radius_m = 695700e3,
+                             .irradiance_au = 13.6,
+                             .wavelengths_um = {0.65, 0.55, 0.45}};
+  const size_t moon = stage_add_body(&s, (pl_vec3){0, 0, radius_m + 5e4},
+                                     (pl_vec3){radius_m, radius_m, radius_m}, 0.3f);
+  pl_terrain *terrain = make_ground(radius_m, &craters);
+  s.scene.bodies[moon].terrain = terrain;
+  s.scene.bodies[moon].cells_per_pixel = 0.25;
+  s.scene.bodies[moon].finest_cell_m = 100.0;
+  const pl_sensor sensor = flight_sensor();
+  assert_int_equal(pl_renderer_create(&s.scene, &renderer), PL_OK);
+  compare_rows(&s, renderer, &sensor, GROUND, "ground");
+  pl_renderer_destroy(renderer);
+  stage_clear(&s);
+  pl_terrain_destroy(terrain);
+  pl_crater_field_destroy(craters);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       serial_unit_test(test_rows_that_are_off),
+      serial_unit_test(test_rows_of_ground_that_are_off),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
