@@ -14,6 +14,7 @@ from perilune.cli import main
 from perilune.config import ConfigError
 from perilune.export.check import check_bop
 from perilune.export.stats import bop_statistics
+from perilune.show import preview
 
 BASELINE_M = 0.5
 SENSORS = {
@@ -122,7 +123,7 @@ def test_a_table_of_poses_is_a_file_of_the_dataset(small_scene, tmp_path):
 
 def test_preview_names_the_sensor(sim, small_scene, tmp_path):
     sample = sim.frame(1, channels=["rgb"])
-    assert perilune.show.preview.frame_title(sample).startswith("frame 1 right | ")
+    assert preview.frame_title(sample).startswith("frame 1 right | ")
     overrides = ["--set", "sensors={left: {}, right: {fov_deg: 20}}"]
     args = ["preview", str(small_scene), "--frame", "1", "--out", str(tmp_path / "s.png")]
     assert main([*args, *overrides]) == 0
