@@ -1,4 +1,4 @@
-/* Writes PNG files atomically: a file is either complete or absent. */
+/* Writes PNG files atomically: a file is either complete or absent. Encodes them in memory, too. */
 #define _POSIX_C_SOURCE 200809L
 #include "io/png_write.h"
 
@@ -25,6 +25,9 @@ typedef struct writer {
   const char *path;
   char *temporary; /* owned */
   int descriptor;
+  pl_bytes *out; /* where the bytes go instead; NULL for a file */
+  const uint8_t *palette;
+  int palette_count;
   int error;     /* errno of the first failed write */
   char text[96]; /* libpng's error message */
   const unsigned char *samples;
@@ -46,6 +49,11 @@ static void on_warning(png_structp png, png_const_charp text) {
 
 static void on_write(png_structp png, png_bytep bytes, png_size_t count) {
   writer *w = png_get_io_ptr(png);
+  if (w->out != NULL) {
+    if (pl_bytes_put(w->out, w->out->size, bytes, count) != PL_OK)
+      png_error(png, "out of memory");
+    return;
+  }
   while (count > 0) {
     const ssize_t put = write(w->descriptor, bytes, count);
     if (put < 0 && errno == EINTR)
@@ -83,8 +91,14 @@ static void write_all(writer *w) {
                  flat ? PNG_FILTER_NONE
                       : (w->level > LAST_FAST_LEVEL ? PNG_ALL_FILTERS : PNG_FILTER_SUB));
   png_set_IHDR(png, w->info, (png_uint_32)w->width, (png_uint_32)w->height, w->bits,
-               color_types[w->channels - 1], PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
-               PNG_FILTER_TYPE_DEFAULT);
+               w->palette != NULL ? PNG_COLOR_TYPE_PALETTE : color_types[w->channels - 1],
+               PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+  if (w->palette != NULL) {
+    png_color colors[PNG_MAX_PALETTE_LENGTH];
+    for (int k = 0; k < w->palette_count; k++)
+      colors[k] = (png_color){w->palette[3 * k], w->palette[3 * k + 1], w->palette[3 * k + 2]};
+    png_set_PLTE(png, w->info, colors, w->palette_count);
+  }
   png_write_info(png, w->info);
   const int one = 1;
   if (w->bits == 16 && *(const char *)&one == 1)
@@ -144,8 +158,7 @@ static pl_status write_and_rename(writer *w) {
   return status;
 }
 
-pl_status pl_png_write(const char *path, const void *samples, int width, int height, int channels,
-                       int bits, int level) {
+static pl_status check(const char *path, int width, int height, int channels, int bits, int level) {
   if (width < 1 || height < 1 || width > 65536 || height > 65536)
     return pl_fail(PL_E_RANGE, "%s: %d x %d pixels; sides must be in 1..65536", path, width,
                    height);
@@ -154,6 +167,26 @@ pl_status pl_png_write(const char *path, const void *samples, int width, int hei
                    channels, bits);
   if (level < 0 || level > 9)
     return pl_fail(PL_E_RANGE, "%s: compression level %d; must be in 0..9", path, level);
+  return PL_OK;
+}
+
+/* Every sample must have a colour: readers differ in what they make of others. */
+static pl_status check_palette(const writer *w) {
+  if (w->channels != 1 || w->bits != 8 || w->palette_count < 1 ||
+      w->palette_count > PNG_MAX_PALETTE_LENGTH)
+    return pl_fail(PL_E_RANGE, "%s: a palette has 1..256 colours, for one channel of 8 bits",
+                   w->path);
+  const size_t count = (size_t)w->width * (size_t)w->height;
+  for (size_t i = 0; i < count; i++)
+    if (w->samples[i] >= w->palette_count)
+      return pl_fail(PL_E_RANGE, "%s: the value %d has none of the %d colours of the palette",
+                     w->path, w->samples[i], w->palette_count);
+  return PL_OK;
+}
+
+pl_status pl_png_write(const char *path, const void *samples, int width, int height, int channels,
+                       int bits, int level) {
+  PL_TRY(check(path, width, height, channels, bits, level));
   writer w = {.path = path,
               .descriptor = -1,
               .samples = samples,
@@ -167,4 +200,24 @@ pl_status pl_png_write(const char *path, const void *samples, int width, int hei
     status = write_and_rename(&w);
   pl_free(w.temporary);
   return status;
+}
+
+pl_status pl_png_encode(const char *name, const void *samples, int width, int height, int channels,
+                        int bits, int level, const uint8_t *palette, int palette_count,
+                        pl_bytes *out) {
+  PL_TRY(check(name, width, height, channels, bits, level));
+  writer w = {.path = name,
+              .descriptor = -1,
+              .out = out,
+              .palette = palette,
+              .palette_count = palette_count,
+              .samples = samples,
+              .width = width,
+              .height = height,
+              .channels = channels,
+              .bits = bits,
+              .level = level};
+  if (palette != NULL)
+    PL_TRY(check_palette(&w));
+  return encode(&w);
 }

@@ -6,12 +6,11 @@
 
 #include "base/memory.h"
 #include "frame/effects.h"
-#include "io/image_file.h"
-#include "io/png_write.h"
 #include "io/simplify.h"
 #include "orbit/propagator.h"
 #include "orbit/turn.h"
 #include "pyext/py_camera.h"
+#include "pyext/py_image.h"
 #include "pyext/py_orbit.h"
 #include "pyext/py_propagator.h"
 #include "pyext/py_request.h"
@@ -19,70 +18,6 @@
 #include "pyext/py_types.h"
 #include "shade/reflectance.h"
 #include "trace/tracer.h"
-
-/* Returns the number of channels of an image array: 1 for (H, W); 0 for shapes that cannot be
- * written. */
-static int image_channels(PyArrayObject *array) {
-  if (PyArray_NDIM(array) == 2)
-    return 1;
-  if (PyArray_NDIM(array) == 3 && PyArray_DIM(array, 2) >= 1 && PyArray_DIM(array, 2) <= 4)
-    return (int)PyArray_DIM(array, 2);
-  return 0;
-}
-
-/* Decodes a grey PNG (bytes, name for errors) to a uint16 array of (height, width). */
-static PyObject *png_grey(PyObject *module, PyObject *args) {
-  const char *bytes, *name;
-  Py_ssize_t size;
-  pl_image image;
-  (void)module;
-  if (!PyArg_ParseTuple(args, "y#s:png_grey", &bytes, &size, &name))
-    return NULL;
-  const pl_status status = pl_png_decode_grey((const uint8_t *)bytes, (size_t)size, name, &image);
-  if (status != PL_OK)
-    return pl_py_raise(status);
-  const npy_intp shape[2] = {image.height, image.width};
-  PyObject *result = PyArray_SimpleNew(2, shape, NPY_UINT16);
-  uint16_t *out = result != NULL ? PyArray_DATA((PyArrayObject *)result) : NULL;
-  for (npy_intp i = 0; result != NULL && i < shape[0] * shape[1]; i++)
-    out[i] = (uint16_t)(image.texels[2 * i] << 8 | image.texels[2 * i + 1]);
-  pl_image_clear(&image);
-  return result;
-}
-
-/* The GIL is released while an image is written, so the array is copied, as in pl_py_own_array. */
-#define PL_IMAGE_FLAGS (NPY_ARRAY_IN_ARRAY | NPY_ARRAY_ENSUREARRAY | NPY_ARRAY_ENSURECOPY)
-
-static PyObject *png_write(PyObject *module, PyObject *args, PyObject *kwargs) {
-  static char *names[] = {"path", "array", "level", NULL};
-  (void)module;
-  PyObject *path = NULL, *object;
-  int level = 6;
-  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "O&O|i:png_write", names, PyUnicode_FSConverter,
-                                   &path, &object, &level))
-    return NULL;
-  PyArrayObject *array = (PyArrayObject *)PyArray_FROM_OF(object, PL_IMAGE_FLAGS);
-  const int type = array != NULL ? PyArray_TYPE(array) : NPY_NOTYPE;
-  const int channels = array != NULL ? image_channels(array) : 0;
-  if (array == NULL || (type != NPY_UINT8 && type != NPY_UINT16) || channels == 0) {
-    if (array != NULL)
-      PyErr_SetString(PyExc_ValueError,
-                      "png_write takes uint8 or uint16 arrays of shape (H, W) or (H, W, 1..4)");
-    Py_XDECREF((PyObject *)array);
-    Py_DECREF(path);
-    return NULL;
-  }
-  const char *name = PyBytes_AsString(path);
-  const int height = (int)PyArray_DIM(array, 0), width = (int)PyArray_DIM(array, 1);
-  pl_status status;
-  Py_BEGIN_ALLOW_THREADS status = pl_png_write(name, PyArray_DATA(array), width, height, channels,
-                                               type == NPY_UINT8 ? 8 : 16, level);
-  Py_END_ALLOW_THREADS Py_DECREF((PyObject *)array);
-  Py_DECREF(path);
-  if (status != PL_OK)
-    return pl_py_raise(status);
-  Py_RETURN_NONE;
-}
 
 static PyObject *simplify(PyObject *module, PyObject *args) {
   const npy_intp rows[2] = {-1, 3};
@@ -146,9 +81,12 @@ static PyMethodDef functions[] = {
     {"allocations", allocations, METH_NOARGS, "Allocations made by the core so far."},
     {"cloud_cover", pl_py_cloud_cover, METH_VARARGS, "Parts of footprints that clouds cover."},
     {"draws", pl_py_draws, METH_VARARGS, "Standard numbers of many streams of NumPy's Philox."},
+    {"exr_encode", pl_py_exr_encode, METH_VARARGS, "An OpenEXR file of named planes, as bytes."},
     {"gltf_graphs", pl_py_gltf_graphs, METH_O, "Graphs in the extras of a file's materials."},
-    {"png_grey", png_grey, METH_VARARGS, "Numbers of a grey PNG of any depth, as 16 bits."},
-    {"png_write", (PyCFunction)(void (*)(void))png_write, METH_VARARGS | METH_KEYWORDS,
+    {"png_encode", (PyCFunction)(void (*)(void))pl_py_png_encode, METH_VARARGS | METH_KEYWORDS,
+     "The bytes of an image array as PNG."},
+    {"png_grey", pl_py_png_grey, METH_VARARGS, "Numbers of a grey PNG of any depth, as 16 bits."},
+    {"png_write", (PyCFunction)(void (*)(void))pl_py_png_write, METH_VARARGS | METH_KEYWORDS,
      "Writes an image array as PNG, atomically."},
     {"project", pl_py_project, METH_VARARGS, "Pixels of points in camera axes."},
     {"rim_images", pl_py_rim_images, METH_VARARGS, "Images of the rims of craters."},

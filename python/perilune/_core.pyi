@@ -514,6 +514,16 @@ def band_gather(sun: F64 | None, responses: Sequence[F64], step_um: float) -> Ba
     with 0.7 of its light below 0.4 um. step_um: longest piece of the integration. ValueError for
     what is no curve, and a first response that reaches beyond the sun's."""
 
+def png_encode(
+    array: NDArray[Any], level: int = 6, palette: NDArray[np.uint8] | None = None
+) -> bytes:
+    """A PNG of uint8 or uint16 (H, W) or (H, W, 1..4). palette: (n, 3) colours, n to 256, of uint8
+    (H, W); ValueError for a value without a colour."""
+
+def exr_encode(channels: list[tuple[str, NDArray[Any]]], text: str, level: int, /) -> bytes:
+    """An OpenEXR file, ZIP at a level of 1 to 9, of planes (H, W): uint32, float16 or float32.
+    text: the attribute `perilune` of the header."""
+
 def png_write(path: str, array: NDArray[Any], level: int = 6) -> None:
     """Writes uint8 (H,W), (H,W,3), (H,W,4) or uint16 (H,W); atomic (temporary file and rename)."""
 

@@ -20,7 +20,7 @@ CONFINED = [
     (re.compile(r"^Python\.h$|^structmember\.h$|^numpy/"), {"pyext"}),
     (re.compile(r"^embree\d"), {"trace"}),
     (re.compile(r"^tiny_gltf\.h$|^json\.hpp$|^nlohmann/|^stb_|^draco/|^meshoptimizer"), {"io"}),
-    (re.compile(r"^png\.h$|^jpeglib\.h$|^turbojpeg\.h$|^webp/"), {"io"}),
+    (re.compile(r"^png\.h$|^jpeglib\.h$|^turbojpeg\.h$|^webp/|^OpenEXR/"), {"io"}),
 ]
 
 
