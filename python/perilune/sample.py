@@ -39,6 +39,14 @@ class Sample(Mapping[str, Array]):
         """Metadata of the frame, by key:
 
             seed, index, step, scene, sensor, time_utc
+            t_s, jd_tdb     time of the opening shutter: seconds after the epoch; Julian date (TDB),
+                            day and fraction
+            sun             {"position_m": (3), root frame; "direction": (3), unit, from the camera
+                            to the Sun, camera axes}
+            states          body or spacecraft -> {"position_m", "velocity_m_s": (3), root frame;
+                            "q_wxyz": rotation from its axes to the root's}, in the middle of the
+                            exposure
+            effects         names of the effects that are on, as in `plan`
             drivers         key path -> value
             scene_drivers   the same for the scene's first step, if it differs
             overrides       key path -> value: changes by with_overrides, Dataset.set, Stream.set

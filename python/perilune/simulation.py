@@ -30,6 +30,7 @@ from perilune.frame.remarks import Remarks
 from perilune.frame.request import arrays_of, camera_label, request_of
 from perilune.frame.rows import row_poses
 from perilune.frame.shown import Plan
+from perilune.frame.states import states
 from perilune.frame.unseen import Unseen
 from perilune.orbits import Setting, System, solar_system
 from perilune.orbits.motion import Kept
@@ -409,6 +410,7 @@ class Simulation:
                 f" {ground['widened']:.3g} times as wide as cells_per_pixel asks",
             )
         label = camera_label(request, scene.sensor, not undistorted)
+        meta |= states(scene, request, label, result["plan"])
         stars = seen(result["stars"])
         return Sample(arrays, objects, label, meta, result["plan"], stars)
 
