@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from perilune.export.writers.bop_card import SOURCE_FILE
-from perilune.export.writers.bop_files import CAMERA_FILE, MM_PER_M, load_object
+from perilune.export.writers.bop_files import CAMERA_FILE, MM_PER_M
 from perilune.export.writers.bop_finish import Instances, images_of, scene_folders
+from perilune.export.writers.files import SOURCE_FILE, load_object
 
 QUANTILES = (0.0, 0.25, 0.5, 0.75, 1.0)
 

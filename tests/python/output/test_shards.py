@@ -11,7 +11,7 @@ from tests.python.command_line import command
 import perilune
 from perilune.export.check import check_bop
 from perilune.export.writers import merge_bop
-from perilune.export.writers.bop_shards import chunks, shard_chunks
+from perilune.export.writers.shards import chunks, shard_chunks
 
 FRAMES = range(1, 12, 2)  # images 1, 3, 5 of scene 0, then 1, 3, 5 of scene 1
 CHUNK = 6

@@ -15,13 +15,13 @@ from perilune.export.check.records import Camera, Source, read_json
 from perilune.export.check.remake import compare_with_config
 from perilune.export.check.retrace import Tracer
 from perilune.export.check.scene import check_scene
-from perilune.export.writers.bop_card import CARD_FILE, SOURCE_FILE
-from perilune.export.writers.bop_config import CONFIG_FILE
 from perilune.export.writers.bop_files import RGB_FOLDER
 from perilune.export.writers.bop_finish import DETECTION, LOCALISATION, closing_texts, summary
 from perilune.export.writers.bop_models import FOLDERS
-from perilune.export.writers.bop_shards import NOTES
+from perilune.export.writers.config_file import CONFIG_FILE
+from perilune.export.writers.files import CARD_FILE, SOURCE_FILE
 from perilune.export.writers.lock import LOCK_FILE, writing_process
+from perilune.export.writers.shards import NOTES
 
 __all__ = ["RERENDERED", "Finding", "Report", "check_bop"]
 

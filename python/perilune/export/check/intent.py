@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from perilune.export.check.findings import Report
-from perilune.export.writers.bop_config import CONFIG_FILE
-from perilune.export.writers.bop_files import CAMERA_FILE, GT_FILE, INFO_FILE, MM_PER_M, load_object
+from perilune.export.writers.bop_files import CAMERA_FILE, GT_FILE, INFO_FILE, MM_PER_M
+from perilune.export.writers.config_file import CONFIG_FILE
+from perilune.export.writers.files import load_object
 from perilune.frame.unseen import target_of
 from perilune.simulation import Simulation
 

@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 
 from perilune.export.check.findings import Report
 from perilune.export.check.png import PngError, read_png
-from perilune.export.writers.bop_files import GT_FILE, RGB_FOLDER, load_object
+from perilune.export.writers.bop_files import GT_FILE, RGB_FOLDER
+from perilune.export.writers.files import load_object
 
 Mask = NDArray[np.bool_]
 F32 = NDArray[np.float32]

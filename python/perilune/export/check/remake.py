@@ -15,8 +15,8 @@ from perilune.export.check.records import Source
 from perilune.export.check.remade_image import RemadeScene
 from perilune.export.check.reopened import Remake, compare_root, open_remake
 from perilune.export.check.scene import Step
-from perilune.export.writers.bop_card import SOURCE_FILE
-from perilune.export.writers.bop_files import CAMERA_FILE, load_object
+from perilune.export.writers.bop_files import CAMERA_FILE
+from perilune.export.writers.files import SOURCE_FILE, load_object
 
 _MEMORY = "/dev/shm"
 _ROOM = 2 << 30

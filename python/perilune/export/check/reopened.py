@@ -19,8 +19,8 @@ from perilune.export.check.findings import Report
 from perilune.export.check.ply import Mesh, PlyError, read_ply
 from perilune.export.check.records import Source, read_json
 from perilune.export.writers.bop import Job, open_job
-from perilune.export.writers.bop_card import SOURCE_FILE
-from perilune.export.writers.bop_config import CONFIG_FILE
+from perilune.export.writers.config_file import CONFIG_FILE
+from perilune.export.writers.files import SOURCE_FILE
 from perilune.simulation import Simulation
 
 _FREE = {"versions", "files_sha256"}

@@ -11,8 +11,8 @@ import numpy as np
 
 from perilune.base.arguments import whole
 from perilune.drivers import path_text
-from perilune.export.writers.bop_card import SOURCE_FILE
-from perilune.export.writers.bop_config import CONFIG_FILE
+from perilune.export.writers.config_file import CONFIG_FILE
+from perilune.export.writers.files import SOURCE_FILE
 
 _SHOWN_CHANGES = 5
 _SHOWN = 60

@@ -6,7 +6,6 @@ import json
 import logging
 import re
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -15,27 +14,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perilune import _core
-from perilune.export.writers.bop_begin import as_range, changed_keys, check_folder, check_simulation
-from perilune.export.writers.bop_card import SOURCE_FILE
+from perilune.export.writers.begin import changed_keys, check_folder
 from perilune.export.writers.bop_channels import TABLES, ChannelFiles, channel_files, pictures
-from perilune.export.writers.bop_config import CONFIG_FILE, config_entry, config_text
 from perilune.export.writers.bop_files import (
     MM_PER_M,
-    PNG_LEVEL,
     Record,
     SceneFolder,
     depth_scale_mm,
     encode_depth,
-    json_text,
-    make_folder,
-    write_other_text,
-    write_text,
 )
 from perilune.export.writers.bop_finish import finish, reopen
 from perilune.export.writers.bop_labels import CocoHeader, Mask, annotation, info_entry
 from perilune.export.writers.bop_model_files import complete_models
 from perilune.export.writers.bop_models import BopModel
-from perilune.export.writers.bop_shards import Note, Shard, check_frames, shard_chunks
 from perilune.export.writers.bop_source import (
     bop_models,
     camera_entry,
@@ -44,8 +35,17 @@ from perilune.export.writers.bop_source import (
     nominal_camera,
     refuse_unfit,
 )
-from perilune.export.writers.lock import locked
-from perilune.export.writers.queue import WriteQueue
+from perilune.export.writers.config_file import CONFIG_FILE, config_entry, config_text
+from perilune.export.writers.files import (
+    PNG_LEVEL,
+    SOURCE_FILE,
+    json_text,
+    make_folder,
+    write_other_text,
+    write_text,
+)
+from perilune.export.writers.run import Begun, write_datasets
+from perilune.export.writers.shards import Shard
 from perilune.export.writers.table import Progress, WriteReport
 from perilune.sample import Sample
 from perilune.simulation import Simulation
@@ -185,7 +185,7 @@ def write_image(
 
 @dataclass
 class Job:
-    """One call of write_bop: its outputs and its progress."""
+    """A BOP dataset that is being written (see run.Dataset): its outputs."""
 
     sim: Simulation
     split_folder: Path
@@ -195,20 +195,18 @@ class Job:
     """Folder -> channel."""
     beside: Mapping[str, ChannelFiles]
     """Channels written in addition to BOP's."""
-    threads: int | None
-    progress: Progress | None
-    total: int = 0
-    written: int = 0
-    kept: int = 0
     images_of: dict[int, dict[int, int]] = field(default_factory=dict)
     """Scene id -> image id -> frame index, for all images of the call."""
     _good: dict[int, set[int]] = field(default_factory=dict)
     """Scene id -> images that are complete."""
+    _records: dict[int, dict[int, Record]] = field(default_factory=dict)
+    """Scene id -> records of the images of the scene that is being written."""
+    _chunk_size: int = DEFAULT_CHUNK
 
-    def advance(self, written: int = 0) -> None:
-        self.written += written
-        if self.progress is not None:
-            self.progress(self.written + self.kept, self.total)
+    @property
+    def root(self) -> Path:
+        """Folder of the dataset."""
+        return self.split_folder.parent
 
     def folder(self, scene_id: int) -> SceneFolder:
         """Folder of a scene."""
@@ -219,14 +217,13 @@ class Job:
     def channels(self) -> list[str]:
         """Channels rendered for a frame."""
         plain = [name for name in self.beside if name not in TABLES]
-        of_tables = [name for table in TABLES if table in self.beside for name in TABLES[table]]
+        of_tables = [name for table in self.tables for name in TABLES[table]]
         return list(dict.fromkeys((*self.pictures.values(), *LABELS, *plain, *of_tables)))
 
-    def tables(self, sample: Sample) -> dict[str, NDArray[Any]]:
+    @property
+    def tables(self) -> list[str]:
         """The tables that are written with a frame."""
-        asked = [table for table in TABLES if table in self.beside]
-        found = self.sim.ground_tables(sample) if asked else {}
-        return {table: found[table] for table in asked}
+        return [table for table in TABLES if table in self.beside]
 
     def write_image(
         self,
@@ -236,11 +233,13 @@ class Job:
         tables: Mapping[str, NDArray[Any]] | None = None,
     ) -> Record:
         """Writes the files of one frame into its scene folder, its record last. tables: those of
-        `self.tables`, if known."""
+        the frame, if known."""
         names = list(self.sim.config.spacecraft)
-        known = self.tables(sample) if tables is None else tables
+        if tables is None:
+            found = self.sim.ground_tables(sample) if self.tables else {}
+            tables = {table: found[table] for table in self.tables}
         return write_image(
-            folder, im_id, sample, names, self.origins_m, self.pictures, self.beside, known
+            folder, im_id, sample, names, self.origins_m, self.pictures, self.beside, tables
         )
 
     def find(self, images_of: Mapping[int, Mapping[int, int]], chunk_size: int) -> None:
@@ -248,6 +247,7 @@ class Job:
 
         Damaged images of these scenes are made again even if this call does not ask for them,
         because they could not be told from intact ones later."""
+        self._chunk_size = chunk_size
         for scene_id, asked in images_of.items():
             folder = self.folder(scene_id)
             good = set(folder.finished())
@@ -256,36 +256,40 @@ class Job:
                 _log.warning("%s: image %d is damaged and made again", folder.folder, im_id)
                 images[im_id] = scene_id * chunk_size + im_id
             self.images_of[scene_id], self._good[scene_id] = images, good
-            self.total += len(images)
-            self.kept += len(good & set(images))
 
-    def write_chunk(self, scene_id: int) -> None:
-        """Writes the missing images of one scene, and its JSON files."""
-        folder, images = self.folder(scene_id), self.images_of[scene_id]
-        records = folder.finished(self._good[scene_id])
-        missing = [im_id for im_id in images if im_id not in records]
-        if missing or not folder.is_complete() or folder.listed() != records:
+    def missing(self, chunk: int) -> list[int]:
+        """Frames of a scene that are not complete."""
+        good = self._good[chunk]
+        return [index for im_id, index in self.images_of[chunk].items() if im_id not in good]
+
+    def begin(self, chunk: int) -> None:
+        """Prepares the folder of a scene that needs writing."""
+        folder = self.folder(chunk)
+        records = folder.finished(self._good[chunk])
+        if self.missing(chunk) or not folder.is_complete() or folder.listed() != records:
             folder.prepare()
-            self._render(folder, {im_id: images[im_id] for im_id in missing}, records)
-            folder.complete(records, self.header)
+            self._records[chunk] = records
 
-    def _render(
-        self, folder: SceneFolder, images: Mapping[int, int], records: dict[int, Record]
-    ) -> None:
-        with WriteQueue() as queue:
-            for im_id, index in images.items():
-                sample = self.sim.frame(index, channels=self.channels, threads=self.threads)
-                tables = self.tables(sample)  # here: simulations are not for several threads
+    def write(self, index: int, sample: Sample, tables: Mapping[str, NDArray[Any]]) -> None:
+        """Writes one frame."""
+        scene_id, im_id = divmod(index, self._chunk_size)
+        own = {table: tables[table] for table in self.tables}
+        record = self.write_image(self.folder(scene_id), im_id, sample, own)
+        self._records[scene_id][im_id] = record
 
-                def task(
-                    im_id: int = im_id,
-                    sample: Sample = sample,
-                    tables: Mapping[str, NDArray[Any]] = tables,
-                ) -> None:
-                    records[im_id] = self.write_image(folder, im_id, sample, tables)
+    def end(self, chunk: int) -> None:
+        """Writes the JSON files of a scene."""
+        records = self._records.pop(chunk, None)
+        if records is not None:
+            self.folder(chunk).complete(records, self.header)
 
-                self.advance(written=queue.put(task))
-            self.advance(written=queue.drain())
+    def reopen(self) -> None:
+        """Removes files that become outdated when more scenes are written."""
+        reopen(self.root)
+
+    def finish(self) -> None:
+        """Writes targets and card."""
+        finish(self.root)
 
 
 def _check_split(split: str) -> None:
@@ -351,20 +355,24 @@ def open_job(
     root: Path,
     chunk_size: int,
     split: str,
-    threads: int | None = None,
-    progress: Progress | None = None,
     begin: Callable[[], object] | None = None,
 ) -> Job:
     """Writes all files outside the scenes, and returns the job that writes the scenes.
 
-    progress: notified of written images. begin: called when the folder exists, before anything is
+    begin: called when the folder exists, before anything is
     written to it."""
     models = _write_source(sim, root, chunk_size, split, begin)
     origins_m = {obj_id: model.center_m for obj_id, model in models.items()}
     size = nominal_camera(sim)
     header = CocoHeader(dataset_name(sim), split, tuple(models), size.width, size.height)
     shown, beside = pictures(sim), channel_files(sim)
-    return Job(sim, root / split, origins_m, header, shown, beside, threads, progress)
+    return Job(sim, root / split, origins_m, header, shown, beside)
+
+
+def open_bop(begun: Begun) -> Job:
+    """Opens a BOP dataset, for write_datasets."""
+    _check_split(begun.split)
+    return open_job(begun.sim, begun.root, begun.chunk_size, begun.split, begun.lock)
 
 
 def write_bop(
@@ -406,30 +414,13 @@ def write_bop(
     Raises OSError if a file cannot be written (finished frames stay valid) or another process
     writes to the folder (perilune.writers.FolderInUseError), and ValueError if the folder belongs
     to another configuration, seed or chunk size, or holds anything else than a dataset."""
-    check_simulation(sim)
-    frames = as_range(frames)
-    check_frames(frames, chunk_size, shard or (0, 1))
-    _check_split(split)
-    root = check_folder(out)
-    images_of = shard_chunks(frames, chunk_size, shard or (0, 1))
-    with ExitStack() as held:
-        job = open_job(
-            sim,
-            root,
-            chunk_size,
-            split,
-            threads,
-            progress,
-            begin=lambda: held.enter_context(locked(root, None if shard is None else images_of)),
-        )
-        job.find(images_of, chunk_size)
-        if shard is not None:
-            Note(frames, shard).write(root)
-        if job.kept < job.total or shard is not None:
-            reopen(root)
-        job.advance()
-        for scene_id in images_of:
-            job.write_chunk(scene_id)
-        if shard is None:
-            finish(root)
-    return WriteReport(root, job.written, job.kept)
+    return write_datasets(
+        sim,
+        frames,
+        {check_folder(out): open_bop},
+        chunk_size=chunk_size,
+        threads=threads,
+        split=split,
+        shard=shard,
+        progress=progress,
+    )

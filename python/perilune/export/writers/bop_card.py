@@ -7,10 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from perilune.export.writers.bop_labels import LEAST_VISIBLE
-
-SOURCE_FILE = "dataset_info.json"
-CARD_FILE = "dataset_info.md"
-"""Written last: a dataset without it is incomplete."""
+from perilune.export.writers.files import SOURCE_FILE
 
 _SHOWN = {
     "rgb": "the colours as they are",

@@ -19,7 +19,8 @@ from numpy.typing import NDArray
 from perilune import _core
 from perilune.camera import bands
 from perilune.document.references import MASKS, OBJECTS, OF_SENSOR
-from perilune.export.writers.bop_files import PNG_LEVEL, RGB_FOLDER, write_bytes
+from perilune.export.writers.bop_files import RGB_FOLDER
+from perilune.export.writers.files import PNG_LEVEL, write_bytes
 from perilune.frame.craters import bodies_with
 from perilune.frame.labels import HAZARDS, SHADOWS
 from perilune.frame.request import channel_layout

@@ -1,13 +1,11 @@
-"""The files of a BOP scene folder: names, number formats, atomic writing, progress.
+"""The files of a BOP scene folder: names, number formats, progress.
 
 Layout and number formats follow the BOP toolkit's format document: millimetres, ids with six digits
 in paths and without padding in JSON, 16-bit depth with one scale per image."""
 
 from __future__ import annotations
 
-import errno
 import json
-import os
 import shutil
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, fields
@@ -18,6 +16,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perilune.export.writers.bop_labels import CocoHeader
+from perilune.export.writers.files import (
+    TEMPORARY,
+    json_by_id,
+    json_sections,
+    load_object,
+    names_in,
+    remove_temporary,
+    sync_files,
+    sync_folder,
+    write_text,
+)
 from perilune.export.writers.whole import is_whole
 
 MM_PER_M = 1000.0
@@ -32,118 +41,9 @@ INFO_FILE = "scene_gt_info.json"
 COCO_FILE = "scene_gt_coco.json"
 SCENE_FILES = (CAMERA_FILE, GT_FILE, INFO_FILE, COCO_FILE)
 RGB_FOLDER = "rgb"
-PNG_LEVEL = 6
 LABEL_FOLDERS = ("depth", "mask", "mask_visib")
-TEMPORARY = ".tmp"
-"""Suffix of files that are being written."""
 PARTIAL = ".partial"
 """Hidden folder of a scene that is being written."""
-
-
-def make_folder(folder: str | Path) -> None:
-    """Creates a writable folder; OSError that names it otherwise."""
-    path = Path(folder)
-    try:
-        path.mkdir(parents=True, exist_ok=True)
-        # Only a file tells: permissions, read-only mounts and quotas have no common question.
-        probe = path / f".writable.{os.getpid()}.tmp"
-        probe.write_bytes(b"")
-        probe.unlink()
-    except OSError as error:
-        reason = "a file stands there" if isinstance(error, FileExistsError) else error.strerror
-        raise OSError(error.errno, f"cannot be written to: {reason}", str(path)) from error
-
-
-def write_bytes(path: Path, parts: Iterable[bytes | memoryview], sync: bool = True) -> None:
-    """Writes a file atomically, through a temporary one and a rename.
-
-    sync: flushes the content to the disk before the rename, in case of a power cut."""
-    temporary = path.with_name(f"{path.name}.{os.getpid()}{TEMPORARY}")
-    try:
-        with open(temporary, "wb") as file:
-            for part in parts:
-                file.write(part)
-            file.flush()
-            if sync:
-                os.fsync(file.fileno())
-        os.replace(temporary, path)
-    except OSError as error:
-        temporary.unlink(missing_ok=True)
-        raise OSError(error.errno, f"cannot be written: {error.strerror}", str(path)) from error
-    except BaseException:
-        temporary.unlink(missing_ok=True)
-        raise
-
-
-def write_text(path: Path, text: str, sync: bool = True) -> None:
-    """The same for a text."""
-    write_bytes(path, [text.encode("utf-8")], sync)
-
-
-def write_other_text(path: Path, text: str) -> None:
-    """The same, unless the file has this content already."""
-    try:
-        if path.read_bytes() == text.encode("utf-8"):
-            return
-    except FileNotFoundError:
-        pass
-    write_text(path, text)
-
-
-def sync_folder(folder: Path) -> None:
-    """Flushes the names of a folder's files to the disk."""
-    descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
-    try:
-        os.fsync(descriptor)
-    except OSError as error:
-        if error.errno != errno.EINVAL:  # some network disks have nothing to bring
-            raise
-    finally:
-        os.close(descriptor)
-
-
-def sync_files(paths: Iterable[Path]) -> None:
-    """Flushes the content of written files to the disk."""
-    for path in paths:
-        with open(path, "rb") as file:
-            os.fsync(file.fileno())
-
-
-def remove_temporary(folder: Path) -> None:
-    """Removes partial files of killed runs. Only for the holder of the folder's lock."""
-    for name in _names(folder):
-        if name.endswith(TEMPORARY):
-            (folder / name).unlink(missing_ok=True)
-
-
-def json_text(value: Any) -> str:
-    """JSON with sorted keys, and the shortest digits that give the same double."""
-    return json.dumps(value, indent=2, sort_keys=True, allow_nan=False) + "\n"
-
-
-def json_by_id(entries: Mapping[int, Any]) -> str:
-    """JSON of an object keyed by ids, in numerical order, one entry per line."""
-    lines = [
-        f'  "{key}": {json.dumps(entries[key], sort_keys=True, allow_nan=False)}'
-        for key in sorted(entries)
-    ]
-    return "{\n" + ",\n".join(lines) + "\n}\n"
-
-
-def json_rows(rows: Iterable[Any]) -> str:
-    """JSON of a list, one entry per line."""
-    lines = [f"  {json.dumps(row, sort_keys=True, allow_nan=False)}" for row in rows]
-    return "[\n" + ",\n".join(lines) + "\n]" if lines else "[]"
-
-
-def json_sections(sections: Mapping[str, Any]) -> str:
-    """JSON of an object with lists and small values, each entry of a list on its own line."""
-    lines = []
-    for name in sorted(sections):
-        value = sections[name]
-        text = json_rows(value) if isinstance(value, list) else json.dumps(value, sort_keys=True)
-        lines.append(f"{json.dumps(name)}: {text}")
-    return "{\n" + ",\n".join(lines) + "\n}\n"
 
 
 def depth_scale_mm(z_max_mm: float) -> float:
@@ -181,15 +81,6 @@ class Record:
         """None if the value is not the `vars` of a record."""
         names = {field.name for field in fields(cls)}
         return cls(**value) if set(value) == names else None
-
-
-def load_object(path: Path) -> dict[str, Any]:
-    """A JSON object; an empty one if the file is missing or invalid, so that it is made again."""
-    try:
-        value = json.loads(path.read_text(encoding="utf-8"))
-    except (FileNotFoundError, json.JSONDecodeError, UnicodeDecodeError):
-        return {}
-    return value if isinstance(value, dict) else {}
 
 
 class SceneFolder:
@@ -295,7 +186,7 @@ class SceneFolder:
     def _has_temporary(self) -> bool:
         """Whether a killed run has left partial files."""
         folders = [self.folder, *(self.folder / name for name in self.image_folders)]
-        return any(name.endswith(TEMPORARY) for folder in folders for name in _names(folder))
+        return any(name.endswith(TEMPORARY) for folder in folders for name in names_in(folder))
 
     def keep(self, im_id: int, record: Record) -> None:
         """Records that the files of an image are complete, once they are on the disk."""
@@ -320,10 +211,3 @@ class SceneFolder:
         for name in ("", *self.image_folders):
             sync_folder(self.folder / name)
         shutil.rmtree(self._partial)
-
-
-def _names(folder: Path) -> list[str]:
-    try:
-        return os.listdir(folder)
-    except FileNotFoundError:
-        return []

@@ -8,18 +8,18 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from perilune.export.writers.bop_card import CARD_FILE, SOURCE_FILE, ObjectRow, Summary, card
-from perilune.export.writers.bop_files import (
-    GT_FILE,
-    INFO_FILE,
-    SceneFolder,
+from perilune.export.writers.bop_card import ObjectRow, Summary, card
+from perilune.export.writers.bop_files import GT_FILE, INFO_FILE, SceneFolder
+from perilune.export.writers.bop_labels import LEAST_VISIBLE
+from perilune.export.writers.bop_models import FOLDERS, MODELS, MODELS_INFO, PARTS
+from perilune.export.writers.files import (
+    CARD_FILE,
+    SOURCE_FILE,
     json_rows,
     remove_temporary,
     write_other_text,
 )
-from perilune.export.writers.bop_labels import LEAST_VISIBLE
-from perilune.export.writers.bop_models import FOLDERS, MODELS, MODELS_INFO, PARTS
-from perilune.export.writers.bop_shards import NOTES
+from perilune.export.writers.shards import NOTES
 
 LOCALISATION = "test_targets_bop19.json"
 DETECTION = "test_targets_bop24.json"

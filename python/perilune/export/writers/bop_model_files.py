@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 from perilune.export.writers.bop_eval import evaluation_model
-from perilune.export.writers.bop_files import json_by_id, load_object, write_bytes, write_text
 from perilune.export.writers.bop_models import (
     EVAL,
     MODELS,
@@ -18,6 +17,7 @@ from perilune.export.writers.bop_models import (
     model_info,
     ply_bytes,
 )
+from perilune.export.writers.files import json_by_id, load_object, write_bytes, write_text
 from perilune.export.writers.whole import is_whole
 
 Models = Mapping[int, BopModel]

@@ -10,21 +10,21 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from perilune.export.writers.bop_card import CARD_FILE, SOURCE_FILE
-from perilune.export.writers.bop_config import CONFIG_FILE
-from perilune.export.writers.bop_files import (
-    CAMERA_FILE,
-    SceneFolder,
+from perilune.export.writers.bop_files import CAMERA_FILE, SceneFolder
+from perilune.export.writers.bop_finish import finish, reopen, scene_folders
+from perilune.export.writers.bop_models import FOLDERS
+from perilune.export.writers.config_file import CONFIG_FILE
+from perilune.export.writers.files import (
+    CARD_FILE,
+    SOURCE_FILE,
     load_object,
     make_folder,
     sync_files,
     sync_folder,
     write_bytes,
 )
-from perilune.export.writers.bop_finish import finish, reopen, scene_folders
-from perilune.export.writers.bop_models import FOLDERS
-from perilune.export.writers.bop_shards import Note, chunks, read_notes, shard_chunks
 from perilune.export.writers.lock import in_use, locked, writing_process
+from perilune.export.writers.shards import Note, chunks, read_notes, shard_chunks
 from perilune.export.writers.whole import is_whole
 
 _log = logging.getLogger(__name__)

@@ -6,7 +6,7 @@ import json
 from dataclasses import dataclass
 from pathlib import Path
 
-from perilune.export.writers.bop_files import json_text, write_text
+from perilune.export.writers.files import json_text, write_text
 
 Shard = tuple[int, int]
 """(k, n): the k-th of n parts, k from 0."""

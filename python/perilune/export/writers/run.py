@@ -1,0 +1,205 @@
+"""Renders frames once for several datasets, and writes them beside the rendering."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Protocol
+
+from numpy.typing import NDArray
+
+from perilune.export.writers.begin import as_range, check_folder, check_simulation
+from perilune.export.writers.lock import locked
+from perilune.export.writers.queue import WriteQueue
+from perilune.export.writers.shards import Note, Shard, check_frames, shard_chunks
+from perilune.export.writers.table import Progress, WriteReport
+from perilune.sample import Sample
+from perilune.simulation import Simulation
+
+Tables = Mapping[str, NDArray[Any]]
+
+
+class Dataset(Protocol):
+    """A dataset that is being written: one format in one folder.
+
+    The folder is locked as long as it exists. Calls come in this order: `find`; for each chunk
+    `begin`, `write` for each of its frames in `missing`, from several threads, and `end`; and in
+    the end `finish`, unless a shard is written."""
+
+    @property
+    def root(self) -> Path:
+        """Its folder."""
+        ...
+
+    @property
+    def channels(self) -> Sequence[str]:
+        """Channels that it needs of a frame."""
+        ...
+
+    @property
+    def tables(self) -> Sequence[str]:
+        """Tables of the ground that it needs of a frame."""
+        ...
+
+    def find(self, images_of: Mapping[int, Mapping[int, int]], chunk_size: int) -> None:
+        """Looks which of the frames (chunk -> place in it -> frame) are there and intact."""
+        ...
+
+    def missing(self, chunk: int) -> Iterable[int]:
+        """Frames of a chunk to be written: asked for and not there, or damaged."""
+        ...
+
+    def begin(self, chunk: int) -> None:
+        """Prepares the folder of a chunk."""
+        ...
+
+    def write(self, index: int, sample: Sample, tables: Tables) -> None:
+        """Writes a frame of the chunk that was begun."""
+        ...
+
+    def end(self, chunk: int) -> None:
+        """Completes a chunk whose frames are written."""
+        ...
+
+    def reopen(self) -> None:
+        """Removes files that become outdated when more frames are written."""
+        ...
+
+    def finish(self) -> None:
+        """Writes what summarises all chunks."""
+        ...
+
+
+@dataclass(frozen=True)
+class Begun:
+    """A folder for a dataset, not opened yet."""
+
+    sim: Simulation
+    root: Path
+    chunk_size: int
+    split: str
+    held: ExitStack
+    scenes: Sequence[int] | None
+    """Chunks to be locked; None: all."""
+
+    def lock(self) -> None:
+        """Locks the folder, which must exist."""
+        self.held.enter_context(locked(self.root, self.scenes))
+
+
+class Opener(Protocol):
+    """Opens a dataset; it calls `lock` once the folder exists, before it writes to it."""
+
+    def __call__(self, begun: Begun) -> Dataset: ...
+
+
+class _Frames:
+    """Renders frames with the channels of all datasets."""
+
+    def __init__(self, sim: Simulation, datasets: Sequence[Dataset], threads: int | None) -> None:
+        self._sim, self._threads = sim, threads
+        self._channels = list(dict.fromkeys(name for each in datasets for name in each.channels))
+        self._tables = list(dict.fromkeys(name for each in datasets for name in each.tables))
+
+    def __call__(self, index: int) -> tuple[Sample, Tables]:
+        sample = self._sim.frame(index, channels=self._channels, threads=self._threads)
+        found = self._sim.ground_tables(sample) if self._tables else {}
+        return sample, {table: found[table] for table in self._tables}
+
+
+def _write_chunk(chunk: int, datasets: Sequence[Dataset], frames: _Frames, told: _Told) -> None:
+    """Writes the missing frames of a chunk to the datasets that lack them."""
+    wanted = [frozenset(each.missing(chunk)) for each in datasets]
+    for each in datasets:
+        each.begin(chunk)
+    with WriteQueue() as queue:
+        for index in sorted(frozenset().union(*wanted)):
+            # Here, and not in the task: simulations are not for several threads.
+            sample, tables = frames(index)
+            lacking = [each for each, own in zip(datasets, wanted, strict=True) if index in own]
+
+            def task(
+                index: int = index,
+                sample: Sample = sample,
+                tables: Tables = tables,
+                lacking: Sequence[Dataset] = lacking,
+            ) -> None:
+                for each in lacking:
+                    each.write(index, sample, tables)
+
+            told.advance(queue.put(task))
+        told.advance(queue.drain())
+    for each in datasets:
+        each.end(chunk)
+
+
+class _Told:
+    """The progress of a run."""
+
+    def __init__(self, progress: Progress | None, kept: int, total: int) -> None:
+        self._progress, self.kept, self._total = progress, kept, total
+        self.written = 0
+        self.advance(0)
+
+    def advance(self, written: int) -> None:
+        self.written += written
+        if self._progress is not None:
+            self._progress(self.written + self.kept, self._total)
+
+
+def write_datasets(
+    sim: Simulation,
+    frames: range | Sequence[int],
+    openers: Mapping[Path, Opener],
+    *,
+    chunk_size: int,
+    threads: int | None,
+    split: str,
+    shard: Shard | None,
+    progress: Progress | None,
+) -> WriteReport:
+    """Writes the same frames to several folders (folder -> format) in one pass of rendering.
+
+    The report's folder is the first one; a frame counts as written if any of them lacked it."""
+    check_simulation(sim)
+    frames = as_range(frames)
+    check_frames(frames, chunk_size, shard or (0, 1))
+    roots = [check_folder(root) for root in openers]
+    images_of = shard_chunks(frames, chunk_size, shard or (0, 1))
+    scenes = None if shard is None else list(images_of)
+    with ExitStack() as held:
+        datasets = [
+            opener(Begun(sim, root, chunk_size, split, held, scenes))
+            for root, opener in zip(roots, openers.values(), strict=True)
+        ]
+        kept, total = _look(datasets, images_of, chunk_size)
+        for each in datasets:
+            if shard is not None:
+                Note(frames, shard).write(each.root)
+            if kept < total or shard is not None:
+                each.reopen()
+        told = _Told(progress, kept, total)
+        rendered = _Frames(sim, datasets, threads)
+        for chunk in images_of:
+            _write_chunk(chunk, datasets, rendered, told)
+        for each in datasets:
+            if shard is None:
+                each.finish()
+    return WriteReport(roots[0], told.written, told.kept)
+
+
+def _look(
+    datasets: Sequence[Dataset], images_of: Mapping[int, Mapping[int, int]], chunk_size: int
+) -> tuple[int, int]:
+    """Number of frames that all datasets have, and number of frames."""
+    for each in datasets:
+        each.find(images_of, chunk_size)
+    kept = total = 0
+    for chunk, images in images_of.items():
+        lacking = frozenset().union(*(each.missing(chunk) for each in datasets))
+        every = lacking | set(images.values())
+        total += len(every)
+        kept += len(every - lacking)
+    return kept, total
