@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Field, model_validator
@@ -14,16 +14,25 @@ LEVELS = ("kind", "object", "part")
 """Levels that every object has."""
 GROUND = "ground"
 """A level that is asked for: what of the ground is seen."""
-_BUILT_IN = (*LEVELS, GROUND)
+MATERIAL = "material"
+"""A level that is asked for: materials of models."""
+_BUILT_IN = (*LEVELS, GROUND, MATERIAL)
 _SAID = {
     GROUND: "follows from what is seen: terrain, crater, rock, spacecraft",
+    MATERIAL: "follows from the model's file: the name of each material",
     "kind": "follows from the section: a body or a spacecraft",
     "object": "the key `class` says it",
     "part": "the key `part_classes` says it",
 }
 Level = Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_-]*$")]
-Classes = dict[Level, Annotated[str, Field(min_length=1)]]
-"""Level -> class of a body or spacecraft at that level."""
+ClassName = Annotated[str, Field(min_length=1)]
+Classes = dict[Level, ClassName]
+"""Level -> class of a body at that level."""
+ClassPatterns = dict[ClassName, tuple[str, ...]]
+"""Class -> shell patterns on part names, material names or `part/material`; the first that
+matches counts."""
+CraftClasses = dict[Level, ClassName | ClassPatterns]
+"""Level -> class of a spacecraft at that level, or classes of its parts by patterns."""
 
 
 def _several(value: Any) -> Any:
@@ -82,12 +91,16 @@ class Labels(Strict):
 
     levels: Annotated[tuple[Level, ...], Field(min_length=1)] = LEVELS
     """Levels of `semantic`, in order. kind: body or spacecraft; object: class of the object; part:
-    class of the part; ground: terrain, crater, rock, spacecraft, or body for one without terrain.
-    At levels of your own, `classes` of a body or spacecraft gives its class;
+    class of the part; ground: terrain, crater, rock, spacecraft, or body for one without terrain;
+    material: the material of a model's part, by its name in the file. At levels of your own,
+    `classes` of a body or spacecraft gives its class, and `labels.classes` those of parts;
     without one it has id 0."""
-    part_classes: dict[str, tuple[str, ...]] = Field(default_factory=dict)
+    part_classes: ClassPatterns = Field(default_factory=dict)
     """Class of part -> shell patterns on part names, material names or `part/material`
     (case-insensitive); the first match counts. `perilune parts CONFIG` lists the names."""
+    classes: dict[Level, ClassPatterns] = Field(default_factory=dict)
+    """Level of your own -> class -> such patterns, for the parts of all spacecraft that say nothing
+    themselves at that level. Parts that match no pattern have id 0 there."""
     other_part: str = "other"
     """Class of spacecraft parts that match no pattern."""
     ids: dict[Level, dict[str, Annotated[Integer, Field(ge=1, le=65535)]]] = Field(
@@ -112,21 +125,24 @@ class Labels(Strict):
                 fail(f"ids.{level}", "two names have the same id")
         return self
 
-    def check(self, stated: Iterable[tuple[str, Mapping[str, str]]]) -> None:
+    def check(self, stated: Mapping[str, Mapping[str, Any]]) -> None:
         """Inside a validator: refuses levels without any class, and classes at unknown levels.
 
         stated: key path of each entry's `classes`, with their value."""
         used: set[str] = set()
-        for where, classes in stated:
-            for level in classes:
+        for where, classes in (("labels.classes", self.classes), *stated.items()):
+            for level, given in classes.items():
                 if level in _BUILT_IN:
                     fail(f"{where}.{level}", _SAID[level])
                 if level not in self.levels:
                     fail(f"{where}.{level}", f"none of labels.levels{nearest(level, self.levels)}")
-            used.update(classes)
+                if given:
+                    used.add(level)
         for k, level in enumerate(self.levels):
             if level not in _BUILT_IN and level not in used:
                 text = (
                     f"no '{level}'{nearest(level, _BUILT_IN)}; or say `classes: {{{level}: ...}}` "
                 )
-                fail(f"labels.levels[{k}]", text + "of bodies or spacecraft")
+                fail(
+                    f"labels.levels[{k}]", text + "of bodies, of spacecraft, or of parts in labels"
+                )

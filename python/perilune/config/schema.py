@@ -27,7 +27,7 @@ from perilune.config.camera import Camera
 from perilune.config.ephemeris import Ephemeris
 from perilune.config.errors import fail, nearest
 from perilune.config.faces import DEFAULT, Faces
-from perilune.config.labels import Classes, Labels
+from perilune.config.labels import ClassPatterns, CraftClasses, Labels
 from perilune.config.materials import DriverSection, Material, MaterialDrivers, MaterialUse
 from perilune.config.motion import check_motion
 from perilune.config.orbit import Orbit
@@ -258,10 +258,11 @@ class Spacecraft(Strict):
     """BOP object id. Default: 1, 2, ... in the order of this section."""
     class_: str | None = Field(default=None, alias="class")
     """Class at the label level `object`. Default: the entry's name."""
-    classes: Classes = Field(default_factory=dict)
-    """Classes at your own label levels: level of `labels.levels` -> class."""
+    classes: CraftClasses = Field(default_factory=dict)
+    """Classes at your own label levels: level of `labels.levels` -> class, or class -> shell
+    patterns on part and material names, in place of those of `labels.classes`."""
     parts: Parts = Parts.of_defaults()
-    part_classes: dict[str, tuple[str, ...]] = Field(default_factory=dict)
+    part_classes: ClassPatterns = Field(default_factory=dict)
     """Class of part -> shell patterns on part and material names; tried before those of
     `labels`."""
     materials: tuple[MaterialUse, ...] = ()
@@ -542,9 +543,11 @@ class Config(Strict):
 
     @model_validator(mode="after")
     def _levels(self) -> Config:
-        stated = [(f"bodies.{name}.classes", row.classes) for name, row in self.bodies.items()]
-        crafts = self.spacecraft.items()
-        stated += [(f"spacecraft.{name}.classes", row.classes) for name, row in crafts]
+        stated: dict[str, Mapping[str, Any]] = {}
+        stated |= {f"bodies.{name}.classes": row.classes for name, row in self.bodies.items()}
+        stated |= {
+            f"spacecraft.{name}.classes": row.classes for name, row in self.spacecraft.items()
+        }
         self.labels.check(stated)
         return self
 

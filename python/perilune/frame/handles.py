@@ -505,10 +505,10 @@ class Handles:
         """A scene without material graphs."""
         scene = _core.Scene(len(self.taxonomy.levels))
         part_ids: dict[str, list[int]] = {}
-        part_classes: dict[str, list[str]] = {}
+        part_classes: dict[str, list[Mapping[str, str]]] = {}
         for part in self.taxonomy.parts:
             part_ids.setdefault(part.owner, []).append(part.id)
-            part_classes.setdefault(part.owner, []).append(part.class_name)
+            part_classes.setdefault(part.owner, []).append(part.classes)
         self._add_bodies(scene, config, part_ids, part_classes)
         self._add_crafts(scene, part_ids, part_classes)
         return _Stage(scene, _core.Renderer(scene))
@@ -518,7 +518,7 @@ class Handles:
         scene: _core.Scene,
         config: Config,
         part_ids: Mapping[str, Sequence[int]],
-        part_classes: Mapping[str, Sequence[str]],
+        part_classes: Mapping[str, Sequence[Mapping[str, str]]],
     ) -> None:
         """part_ids, part_classes: those of each entry's parts."""
         labels, meshes = self.taxonomy, self.shapes_of(config)
@@ -551,7 +551,7 @@ class Handles:
         self,
         scene: _core.Scene,
         part_ids: Mapping[str, Sequence[int]],
-        part_classes: Mapping[str, Sequence[str]],
+        part_classes: Mapping[str, Sequence[Mapping[str, str]]],
     ) -> None:
         labels = self.taxonomy
         for name, row in self.models.items():
@@ -573,12 +573,11 @@ class Handles:
 
 
 def _class_ids(
-    labels: Taxonomy, name: str, entry: Body | Spacecraft, parts: Sequence[str]
+    labels: Taxonomy, name: str, entry: Body | Spacecraft, parts: Sequence[Mapping[str, str]]
 ) -> NDArray[np.uint16]:
     kind = "body" if isinstance(entry, Body) else "spacecraft"
-    known = {**entry.classes, "kind": kind, "object": object_class(name, entry)}
-    known[GROUND] = ground_class(entry)
-    return labels.class_ids(*({**known, "part": part} for part in parts))
+    known = {"kind": kind, "object": object_class(name, entry), GROUND: ground_class(entry)}
+    return labels.class_ids(*({**known, **part} for part in parts))
 
 
 def _crater_criteria(given: CraterLabels | None) -> tuple[float, float, float]:
@@ -588,7 +587,7 @@ def _crater_criteria(given: CraterLabels | None) -> tuple[float, float, float]:
 
 
 def _ground_class_ids(
-    labels: Taxonomy, name: str, body: Body, parts: Sequence[str]
+    labels: Taxonomy, name: str, body: Body, parts: Sequence[Mapping[str, str]]
 ) -> NDArray[np.uint16] | None:
     """(2, levels) of the rocks and craters of a body; None if no level tells them apart."""
     if GROUND not in labels.levels or body.terrain is None:

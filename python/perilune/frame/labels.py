@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from perilune.config.body import Body
 from perilune.config.errors import ConfigError, nearest
-from perilune.config.labels import GROUND
+from perilune.config.labels import GROUND, LEVELS, MATERIAL, ClassPatterns
 from perilune.config.schema import Config, Spacecraft
 from perilune.frame.html import taxonomy_html
 from perilune.spacecraft.parts import PartEntry
@@ -22,6 +22,7 @@ HAZARDS = {0: "safe", 1: "slope", 2: "roughness", 4: "rocks", 128: "unknown"}
 SHADOWS = {0: "sunlit or sky", 1: "shadow"}
 """Values of the channel `shadow`."""
 _SURFACE = "surface"
+_PART = "part"
 _IDS_MAX = 65535
 
 
@@ -35,7 +36,13 @@ class Part:
     name: str
     """Name, unique among the owner's parts."""
     material: str
-    class_name: str
+    classes: Mapping[str, str]
+    """Level -> its class at each level that tells parts apart."""
+
+    @property
+    def class_name(self) -> str:
+        """Class at the level `part`."""
+        return self.classes[_PART]
 
 
 @dataclass(frozen=True)
@@ -113,36 +120,68 @@ def _fits(pattern: str, part: PartEntry) -> bool:
     return any(fnmatchcase(text, pattern.lower()) for text in _texts(part))
 
 
-def part_class(config: Config, craft: Spacecraft, part: PartEntry) -> str:
+def _first_match(part: PartEntry, *tables: ClassPatterns) -> str | None:
     """First class with a pattern that matches one of the part's names (case-insensitive).
 
     The names are the part's with and without its number, its material's, and name/material."""
-    for table in (craft.part_classes, config.labels.part_classes):
+    for table in tables:
         for class_name, patterns in table.items():
             if any(_fits(pattern, part) for pattern in patterns):
                 return class_name
-    return config.labels.other_part
+    return None
+
+
+def part_class(config: Config, craft: Spacecraft, part: PartEntry) -> str:
+    """Class of a part at the level `part`."""
+    found = _first_match(part, craft.part_classes, config.labels.part_classes)
+    return config.labels.other_part if found is None else found
+
+
+def _part_classes(config: Config, craft: Spacecraft, part: PartEntry) -> dict[str, str]:
+    """Level -> class of a part, at all levels that tell parts apart; none where it has id 0."""
+    found: dict[str, str | None] = {_PART: part_class(config, craft, part)}
+    if part.material:
+        found[MATERIAL] = part.material
+    for level in config.labels.levels:
+        given = craft.classes.get(level, config.labels.classes.get(level))
+        if given is not None:
+            found[level] = given if isinstance(given, str) else _first_match(part, given)
+    return {level: name for level, name in found.items() if name is not None}
+
+
+def _tables(config: Config, craft: str) -> Iterator[tuple[str, ClassPatterns]]:
+    """Key path and table of all patterns that a spacecraft states itself."""
+    own = config.spacecraft[craft]
+    yield f"spacecraft.{craft}.part_classes", own.part_classes
+    for level, given in own.classes.items():
+        if not isinstance(given, str):
+            yield f"spacecraft.{craft}.classes.{level}", given
 
 
 def unmatched(
     config: Config, parts: Mapping[str, Sequence[PartEntry]]
 ) -> Iterator[tuple[str, str]]:
-    """(key path, message) of patterns of `part_classes` that match no part.
+    """(key path, message) of patterns of classes that match no part.
 
-    In the table of `labels`, which configurations may share, only classes are reported none of
+    In the tables of `labels`, which configurations may share, only classes are reported none of
     whose patterns matches a part of any spacecraft. parts: those of each spacecraft's model."""
-    for name, craft in config.spacecraft.items():
+    for name in config.spacecraft:
         known = list(dict.fromkeys(text for part in parts[name] for text in (part.base, part.name)))
-        for class_name, patterns in craft.part_classes.items():
-            for pattern in patterns:
-                if not any(_fits(pattern, part) for part in parts[name]):
-                    key = f"spacecraft.{name}.part_classes.{class_name}"
-                    yield key, f"'{pattern}' fits no part{nearest(pattern, known)}"
+        for key, table in _tables(config, name):
+            for class_name, patterns in table.items():
+                for pattern in patterns:
+                    if not any(_fits(pattern, part) for part in parts[name]):
+                        text = f"'{pattern}' fits no part{nearest(pattern, known)}"
+                        yield f"{key}.{class_name}", text
     every = [part for name in config.spacecraft for part in parts[name]]
-    for class_name, patterns in config.labels.part_classes.items():
-        if not any(_fits(pattern, part) for part in every for pattern in patterns):
-            told = ", ".join(f"'{pattern}'" for pattern in patterns)
-            yield f"labels.part_classes.{class_name}", f"no part of any spacecraft fits {told}"
+    shared = {"labels.part_classes": config.labels.part_classes}
+    for level, table in config.labels.classes.items():
+        shared[f"labels.classes.{level}"] = table
+    for key, table in shared.items():
+        for class_name, patterns in table.items():
+            if not any(_fits(pattern, part) for part in every for pattern in patterns):
+                told = ", ".join(f"'{pattern}'" for pattern in patterns)
+                yield f"{key}.{class_name}", f"no part of any spacecraft fits {told}"
 
 
 def _numbered(level: str, names: Iterable[str], fixed: Mapping[str, int]) -> dict[str, int]:
@@ -158,35 +197,49 @@ def _numbered(level: str, names: Iterable[str], fixed: Mapping[str, int]) -> dic
     return ids
 
 
-def taxonomy(config: Config, parts: Mapping[str, Sequence[PartEntry]]) -> Taxonomy:
-    """Numbers all labels; `parts` are those of each spacecraft's model.
-
-    Class ids follow from the configuration alone; part ids also from the models."""
-    tables = [config.labels.part_classes, *(c.part_classes for c in config.spacecraft.values())]
+def _class_names(config: Config, parts: Mapping[str, Sequence[PartEntry]]) -> dict[str, list[str]]:
+    """Names of classes at each level, in the order in which they are numbered."""
+    labels, crafts = config.labels, config.spacecraft
+    tables = [labels.part_classes, *(craft.part_classes for craft in crafts.values())]
     names = {
         "kind": ["body", "spacecraft"],
         "object": [
             *(object_class(name, body) for name, body in config.bodies.items()),
-            *(object_class(name, craft) for name, craft in config.spacecraft.items()),
+            *(object_class(name, craft) for name, craft in crafts.items()),
         ],
-        "part": [_SURFACE, *(name for table in tables for name in table), config.labels.other_part],
+        _PART: [_SURFACE, *(name for table in tables for name in table), labels.other_part],
+        GROUND: [TERRAIN, CRATER, ROCK, SPACECRAFT, BODY],
+        MATERIAL: [part.material for rows in parts.values() for part in rows if part.material],
     }
-    if GROUND in config.labels.levels:
-        names[GROUND] = [TERRAIN, CRATER, ROCK, SPACECRAFT, BODY]
-    own = [body.classes for body in config.bodies.values()]
-    own += [craft.classes for craft in config.spacecraft.values()]
-    for level in config.labels.levels:
-        if level not in names:
-            names[level] = [row[level] for row in own if level in row]
+    for level in labels.levels:
+        if level in names:
+            continue
+        names[level] = list(labels.classes.get(level, ()))
+        own: list[str | Iterable[str]] = [
+            body.classes.get(level, ()) for body in config.bodies.values()
+        ]
+        own += [craft.classes.get(level, ()) for craft in crafts.values()]
+        for given in own:
+            names[level] += [given] if isinstance(given, str) else list(given)
+    return {level: names[level] for level in dict.fromkeys((*LEVELS, *labels.levels))}
+
+
+def taxonomy(config: Config, parts: Mapping[str, Sequence[PartEntry]]) -> Taxonomy:
+    """Numbers all labels; `parts` are those of each spacecraft's model.
+
+    Class ids follow from the configuration alone, but for those of the level `material`, which
+    follow from the models, as part ids do."""
     classes = {
-        level: _numbered(level, names[level], config.labels.ids.get(level, {})) for level in names
+        level: _numbered(level, names, config.labels.ids.get(level, {}))
+        for level, names in _class_names(config, parts).items()
     }
     instances = {name: k for k, name in enumerate([*config.bodies, *config.spacecraft], start=1)}
     rows: list[Part] = []
-    for name in config.bodies:
-        rows.append(Part(len(rows) + 1, name, _SURFACE, "", _SURFACE))
+    for name, body in config.bodies.items():
+        own = {**body.classes, _PART: _SURFACE}
+        rows.append(Part(len(rows) + 1, name, _SURFACE, "", own))
     for name, craft in config.spacecraft.items():
         for part in parts[name]:
-            label = part_class(config, craft, part)
-            rows.append(Part(len(rows) + 1, name, part.name, part.material, label))
+            own = _part_classes(config, craft, part)
+            rows.append(Part(len(rows) + 1, name, part.name, part.material, own))
     return Taxonomy(config.labels.levels, classes, instances, tuple(rows))
