@@ -192,6 +192,21 @@ const pl_channel pl_channels[] = {
      "catalogue; 0 where there is none, and on "
      "rocks",
      PL_BLANK_ZERO, pl_write_crater_id},
+    {"flow", "float32", 4, 2, "px",
+     "from the pixel to where the next frame sees the same point: right, down; of the sky by the "
+     "camera's rotation; nan where it has no image there, or there is no next frame in the scene",
+     PL_BLANK_NAN, NULL},
+    {"flow_backward", "float32", 4, 2, "px", "the same to the previous frame", PL_BLANK_NAN, NULL},
+    {"flow_occlusion", "uint8", 1, 0, "1",
+     "0 where the next frame sees the same point; 1 where something hides it there, it turns away, "
+     "lies outside of the picture, or flow is nan",
+     PL_BLANK_ZERO, NULL},
+    {"flow_occlusion_backward", "uint8", 1, 0, "1", "the same in the previous frame", PL_BLANK_ZERO,
+     NULL},
+    {"scene_flow", "float32", 4, 3, "m",
+     "the point in the axes of the next frame's camera, less that in those of this one; nan where "
+     "nothing is hit, or there is no next frame in the scene",
+     PL_BLANK_NAN, NULL},
 };
 const size_t pl_channel_count = sizeof pl_channels / sizeof pl_channels[0];
 

@@ -39,8 +39,8 @@ typedef struct pl_channel {
   const char *unit;
   const char *doc;
   pl_label_blank blank;
-  /* Writes the pixels of a run, which are contiguous; NULL: the channel needs more of the ground
-   * than its own pixel, see annotate/ground_map.h. */
+  /* Writes the pixels of a run, which are contiguous; NULL: the channel needs more than
+   * its own pixel: of the ground (annotate/ground_map.h), or another frame (annotate/flow.h). */
   void (*write)(const pl_label_run *run, void *pixels);
 } pl_channel;
 

@@ -7,6 +7,7 @@
 #include "base/memory.h"
 #include "frame/subpixel_bodies.h"
 #include "frame/effects.h"
+#include "frame/flow.h"
 #include "frame/height_fields.h"
 #include "frame/moving.h"
 #include "frame/output.h"
@@ -274,6 +275,7 @@ pl_status pl_renderer_frame(pl_renderer *renderer, const pl_frame_request *reque
     PL_TRY(allocate_bands(renderer, &instant->shot.camera, &output.bands));
   PL_TRY(pl_labels_prepare(request, &instant->shot, &renderer->label_tools, &renderer->arena,
                            &output.labels));
+  PL_TRY(pl_frame_flow(renderer, request, &result->plan, &choice, &output.labels.flow));
   lap(result, PL_STAGE_REALISE, &start);
   PL_TRY(render_frame(renderer, request, &survey, &choice, instant, result, &output));
   lap(result, PL_STAGE_RENDER, &start);

@@ -3,6 +3,7 @@
 #define PL_FRAME_FRAME_H
 
 #include "annotate/channel.h"
+#include "annotate/flow.h"
 #include "annotate/ground_map.h"
 #include "annotate/object_label.h"
 #include "base/parallel.h"
@@ -13,7 +14,7 @@
 #include "sensor/exposure.h"
 #include "sensor/sensor.h"
 
-enum { PL_FRAME_CHANNELS_MAX = 32 };
+enum { PL_FRAME_CHANNELS_MAX = 64 };
 
 typedef struct pl_frame_request {
   uint64_t seed, index;
@@ -43,7 +44,9 @@ typedef struct pl_frame_request {
   /* one image per object: 1 on its full silhouette, including occluded parts, else 0 */
   uint8_t *masks;
   pl_ground_settings ground; /* of channels of the ground */
-  bool amodal;               /* compute the labels of full silhouettes; false skips the cost */
+  /* For channels of motion, borrowed; NULL: there is no such frame. */
+  const pl_other_frame *others[PL_FLOW_FRAMES];
+  bool amodal; /* compute the labels of full silhouettes; false skips the cost */
 } pl_frame_request;
 
 /* Stages of a frame, which are timed. */

@@ -109,14 +109,19 @@ pl_choice pl_choice_of_metering(const pl_frame_request *request, int samples) {
 
 /* --- realising -------------------------------------------------------------------------------- */
 
+/* Takes away what the choice leaves out of a camera. */
+static void strip_camera(const pl_choice *choice, pl_camera *camera) {
+  if (!choice->distortion)
+    camera->lens = (pl_lens){0};
+  if (!choice->depth_of_field)
+    camera->aperture_m = 0.0;
+}
+
 static pl_status cull(const pl_survey *survey, const pl_choice *choice, pl_arena *arena,
                       pl_snapshot *out) {
   pl_snapshot placed = survey->shot;
   pl_culling culling = {.view = &survey->view, .tolerance_dn = choice->tolerance_dn};
-  if (!choice->distortion)
-    placed.camera.lens = (pl_lens){0};
-  if (!choice->depth_of_field)
-    placed.camera.aperture_m = 0.0;
+  strip_camera(choice, &placed.camera);
   *out = placed;
   if (choice->colour && choice->subpixel)
     PL_TRY(pl_subpixel_find(&placed, culling.view, choice->tolerance_dn, arena, &culling.subpixel));
@@ -193,4 +198,13 @@ pl_status pl_realise(pl_accelerators *kept, const pl_survey *survey, const pl_ch
   }
   *out = made;
   return PL_OK;
+}
+
+pl_status pl_realise_geometry(pl_accelerators *kept, const pl_scene *scene,
+                              const pl_placement *placement, const pl_choice *choice,
+                              pl_arena *arena, pl_snapshot *shot, const pl_tracer **tracer) {
+  PL_TRY(pl_snapshot_build(scene, placement, arena, shot));
+  strip_camera(choice, &shot->camera);
+  PL_TRY(pl_height_fields_place(kept, choice, arena, shot));
+  return pl_geometry_tracer(kept, shot, arena, tracer);
 }

@@ -48,4 +48,10 @@ typedef struct pl_instant {
 pl_status pl_realise(pl_accelerators *kept, const pl_survey *survey, const pl_choice *choice,
                      pl_arena *arena, const pl_instant **out);
 
+/* Places the scene for labels, with everything in it, and builds its tracer: geometry alone, as the
+ * choice has it. Allocated in `arena`; borrows scene and placement. */
+pl_status pl_realise_geometry(pl_accelerators *kept, const pl_scene *scene,
+                              const pl_placement *placement, const pl_choice *choice,
+                              pl_arena *arena, pl_snapshot *shot, const pl_tracer **tracer);
+
 #endif

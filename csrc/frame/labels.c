@@ -77,6 +77,8 @@ void pl_labels_tile(const pl_labels *labels, const pl_snapshot *shot, const pl_t
   const int tile[4] = {result->tile.x0, result->tile.y0, result->tile.width, result->tile.height};
   if (labels->ground.points != NULL)
     pl_ground_map_take(&labels->ground, shot, result->points, PL_TILE_SIDE, tile);
+  if (labels->flow != NULL)
+    pl_flow_write(labels->flow, shot, result->empty ? NULL : result->points, PL_TILE_SIDE, tile);
   if (labels->seen != NULL)
     pl_seen_write(result->points, PL_TILE_SIDE, tile, labels->shot->camera.width, labels->seen);
   if (labels->extents != NULL && !result->empty)

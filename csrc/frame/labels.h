@@ -3,6 +3,7 @@
 #ifndef PL_FRAME_LABELS_H
 #define PL_FRAME_LABELS_H
 
+#include "annotate/flow.h"
 #include "annotate/ground_map.h"
 #include "annotate/silhouette.h"
 #include "frame/frame.h"
@@ -16,6 +17,7 @@ typedef struct pl_labels {
   pl_outline *outlines; /* per object, then per piece: for amodal labels or masks */
   pl_seen *seen;        /* whole image: for masks, or when an object may be occluded or cut off */
   pl_ground_map ground; /* of channels that need one; without points: none does */
+  const pl_flow *flow;  /* of channels that need other frames */
 } pl_labels;
 
 /* Kept from frame to frame; created on first use. */

@@ -26,6 +26,10 @@ bool pl_moving(const pl_frame_request *request, const pl_plan *plan) {
   return blurs(request, plan) || bands_of(request, plan) > 1;
 }
 
+bool pl_moving_rolls(const pl_frame_request *request, const pl_plan *plan) {
+  return bands_of(request, plan) > 1;
+}
+
 pl_status pl_moving_plan(pl_renderer *renderer, const pl_frame_request *request,
                          const pl_view *middle, bool colour, pl_plan *plan) {
   pl_survey survey;

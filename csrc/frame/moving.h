@@ -14,6 +14,9 @@
 /* Returns whether the plan keeps motion blur or the rolling shutter. */
 bool pl_moving(const pl_frame_request *request, const pl_plan *plan);
 
+/* Returns whether the plan renders rows of labels at times of their own. */
+bool pl_moving_rolls(const pl_frame_request *request, const pl_plan *plan);
+
 /* Changes the plan of the middle instant, whose view is given, so that it suits all instants: each
  * row gets the most demanding value over several views. */
 pl_status pl_moving_plan(pl_renderer *renderer, const pl_frame_request *request,

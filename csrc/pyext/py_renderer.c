@@ -14,10 +14,20 @@ typedef struct renderer_object {
   const pl_scene *core;          /* content of `scene` */
   pl_renderer *renderer;         /* owned */
   pl_py_states states;
+  pl_py_other others[PL_FLOW_FRAMES];
   pid_t pid; /* process that created it: Embree and its memory do not work in a forked child */
   /* guarded by the GIL; set from before a request is parsed until after its result is built */
   int busy;
 } renderer_object;
+
+static void free_states(pl_py_states *states) {
+  pl_free(states->objects);
+  pl_free(states->bodies);
+  pl_free(states->movers);
+  pl_free(states->parameters);
+  pl_free(states->keys.numbers);
+  pl_free(states->volume_parameters);
+}
 
 static void renderer_dealloc(PyObject *object) {
   renderer_object *self = (renderer_object *)object;
@@ -25,27 +35,37 @@ static void renderer_dealloc(PyObject *object) {
   /* a forked child has only an unusable copy of the device, which is not freed */
   if (self->pid == getpid())
     pl_renderer_destroy(self->renderer);
-  pl_free(self->states.objects);
-  pl_free(self->states.bodies);
-  pl_free(self->states.movers);
-  pl_free(self->states.parameters);
-  pl_free(self->states.keys.numbers);
-  pl_free(self->states.volume_parameters);
+  free_states(&self->states);
+  for (int i = 0; i < PL_FLOW_FRAMES; i++) {
+    free_states(&self->others[i].states);
+    pl_free(self->others[i].changed);
+  }
   Py_XDECREF(self->scene);
   ((freefunc)PyType_GetSlot(type, Py_tp_free))(object);
   Py_DECREF(type);
 }
 
-static pl_status open_renderer(renderer_object *self) {
+static pl_status take_states(const pl_scene *scene, pl_py_states *out) {
   void *objects, *bodies, *movers;
-  PL_TRY(pl_alloc_or_fail(self->core->craft_count, sizeof(pl_object_state), "poses", &objects));
-  self->states.objects = objects;
-  PL_TRY(pl_alloc_or_fail(self->core->body_count, sizeof(pl_body_state), "poses", &bodies));
-  self->states.bodies = bodies;
-  for (size_t i = 0; i < self->core->craft_count; i++)
-    self->states.mover_count += pl_object_mover_count(&self->core->objects[i]);
-  PL_TRY(pl_alloc_or_fail(self->states.mover_count, sizeof(pl_affine), "motions", &movers));
-  self->states.movers = movers;
+  PL_TRY(pl_alloc_or_fail(scene->craft_count, sizeof(pl_object_state), "poses", &objects));
+  out->objects = objects;
+  PL_TRY(pl_alloc_or_fail(scene->body_count, sizeof(pl_body_state), "poses", &bodies));
+  out->bodies = bodies;
+  for (size_t i = 0; i < scene->craft_count; i++)
+    out->mover_count += pl_object_mover_count(&scene->objects[i]);
+  PL_TRY(pl_alloc_or_fail(out->mover_count, sizeof(pl_affine), "motions", &movers));
+  out->movers = movers;
+  return PL_OK;
+}
+
+static pl_status open_renderer(renderer_object *self) {
+  PL_TRY(take_states(self->core, &self->states));
+  for (int i = 0; i < PL_FLOW_FRAMES; i++) {
+    void *changed;
+    PL_TRY(take_states(self->core, &self->others[i].states));
+    PL_TRY(pl_alloc_or_fail(self->core->body_count, sizeof(bool), "bodies", &changed));
+    self->others[i].changed = changed;
+  }
   return pl_renderer_create(self->core, &self->renderer);
 }
 
@@ -191,6 +211,7 @@ static PyObject *renderer_render(PyObject *object, PyObject *args, PyObject *kwa
       begin(self) < 0)
     return NULL;
   if (pl_py_request_parse(request, self->core, &self->states, &frame) == 0 &&
+      pl_py_others_parse(request, self->core, self->others, &frame) == 0 &&
       pl_py_request_outputs(out, self->core, self->states.kept, &frame) == 0)
     result = run(self, &frame, pl_renderer_frame);
   end(self);

@@ -7,6 +7,7 @@
 #include "frame/effects.h"
 #include "pyext/py_camera.h"
 #include "pyext/py_ground.h"
+#include "pyext/py_read.h"
 #include "pyext/py_sky.h"
 #include "pyext/py_types.h"
 
@@ -373,16 +374,12 @@ static int parse_amodal(PyObject *dict, bool *out) {
   return 0;
 }
 
-int pl_py_request_parse(PyObject *request, const pl_scene *scene, pl_py_states *states,
-                        pl_frame_request *out) {
-  if (!PyDict_Check(request)) {
-    PyErr_SetString(PyExc_TypeError, "request must be a dict");
-    return -1;
-  }
-  out->placement.objects = states->objects;
-  out->placement.bodies = states->bodies;
-  if (get_u64(request, "seed", &out->seed) < 0 || get_u64(request, "index", &out->index) < 0 ||
-      parse_camera(request, &out->placement.camera) < 0 ||
+/* Everything that is placed, except volumes. */
+static int parse_placement(PyObject *request, const pl_scene *scene, pl_py_states *states,
+                           pl_placement *out) {
+  out->objects = states->objects;
+  out->bodies = states->bodies;
+  if (parse_camera(request, &out->camera) < 0 ||
       parse_objects(request, scene->craft_count, states->objects) < 0 ||
       parse_movers(request, scene, states) < 0 ||
       parse_bodies(request, scene->body_count, states->bodies) < 0 ||
@@ -390,8 +387,21 @@ int pl_py_request_parse(PyObject *request, const pl_scene *scene, pl_py_states *
       parse_regolith(request, scene->body_count, states->bodies) < 0 ||
       pl_py_clouds_parse(request, scene->body_count, states->bodies) < 0 ||
       pl_py_ground_states(request, scene->body_count, states->bodies) < 0 ||
-      parse_parameters(request, scene, states) < 0 || parse_sun(request, &out->placement.sun) < 0 ||
-      pl_py_motion_parse(request, scene, states, &out->placement) < 0 ||
+      parse_parameters(request, scene, states) < 0)
+    return -1;
+  if (parse_sun(request, &out->sun) < 0)
+    return -1;
+  return pl_py_motion_parse(request, scene, states, out);
+}
+
+int pl_py_request_parse(PyObject *request, const pl_scene *scene, pl_py_states *states,
+                        pl_frame_request *out) {
+  if (!PyDict_Check(request)) {
+    PyErr_SetString(PyExc_TypeError, "request must be a dict");
+    return -1;
+  }
+  if (get_u64(request, "seed", &out->seed) < 0 || get_u64(request, "index", &out->index) < 0 ||
+      parse_placement(request, scene, states, &out->placement) < 0 ||
       parse_quality(request, out) < 0 || parse_amodal(request, &out->amodal) < 0 ||
       pl_py_ground_labels_parse(request, out) < 0 ||
       pl_py_volumes_parse(request, states, out) < 0 ||
@@ -399,4 +409,47 @@ int pl_py_request_parse(PyObject *request, const pl_scene *scene, pl_py_states *
       pl_py_sky_parse(request, states, out) < 0)
     return -1;
   return parse_exposure(request, &out->exposure);
+}
+
+/* "changed_bodies" (bodies,) of bool, optional. */
+static int parse_changed(PyObject *dict, pl_py_other *other, size_t count) {
+  const npy_intp shape[1] = {(npy_intp)count};
+  PyObject *given = maybe(dict, "changed_bodies");
+  other->frame.changed = NULL;
+  if (given == NULL)
+    return PyErr_Occurred() ? -1 : 0;
+  PyArrayObject *array = pl_py_array(given, "changed_bodies", NPY_BOOL, 1, shape);
+  Py_DECREF(given);
+  if (array == NULL)
+    return -1;
+  for (size_t i = 0; i < count; i++)
+    other->changed[i] = ((const npy_bool *)PyArray_DATA(array))[i] != 0;
+  Py_DECREF((PyObject *)array);
+  other->frame.changed = other->changed;
+  return 0;
+}
+
+int pl_py_others_parse(PyObject *request, const pl_scene *scene, pl_py_other others[],
+                       pl_frame_request *out) {
+  static const char *const keys[PL_FLOW_FRAMES] = {"next", "previous"};
+  for (int i = 0; i < PL_FLOW_FRAMES; i++) {
+    PyObject *dict;
+    if (pl_py_member(request, keys[i], 1, "request", &dict) < 0)
+      return -1;
+    int failed = 0;
+    if (dict != Py_None && !PyDict_Check(dict)) {
+      PyErr_Format(PyExc_TypeError, "%s must be None or a dict", keys[i]);
+      failed = 1;
+    } else if (dict != Py_None) {
+      pl_py_other *other = &others[i];
+      other->frame.placement = (pl_placement){0};
+      failed = parse_placement(dict, scene, &other->states, &other->frame.placement) < 0 ||
+               parse_changed(dict, other, scene->body_count) < 0;
+      out->others[i] = &other->frame;
+    }
+    Py_DECREF(dict);
+    if (failed)
+      return -1;
+  }
+  return 0;
 }

@@ -31,8 +31,19 @@ typedef struct pl_py_states {
   PyObject *kept; /* list of all objects that the current request borrows; NULL between frames */
 } pl_py_states;
 
-/* Fills everything except outputs, threads and cancel; returns -1 with an exception that names the
- * key. */
+/* Memory for another frame of the same scene, see pl_other_frame. */
+typedef struct pl_py_other {
+  pl_py_states states; /* of a placement */
+  bool *changed;       /* owned, one per body */
+  pl_other_frame frame;
+} pl_py_other;
+
+/* Parses "next" and "previous" of the request dictionary, which may be absent or None: placements.
+ * others: PL_FLOW_FRAMES of them, borrowed by the request. */
+int pl_py_others_parse(PyObject *request, const pl_scene *scene, pl_py_other others[],
+                       pl_frame_request *out);
+/* Fills everything except other frames, outputs, threads and cancel; returns -1 with an exception
+ * that names the key. */
 int pl_py_request_parse(PyObject *request, const pl_scene *scene, pl_py_states *states,
                         pl_frame_request *out);
 /* Parses "motion" of the request dictionary; when absent or None, nothing moves. Call after the

@@ -53,6 +53,16 @@ static double held(const pl_motion *camera, double u) {
   return floor(u * steps + 0.5) / steps;
 }
 
+double pl_shutter_row_share(const pl_placement *placement, double row) {
+  const pl_shutter *shutter = &placement->shutter;
+  const double window_s = pl_shutter_window_s(placement);
+  if (!(window_s > 0.0))
+    return 0.5;
+  const double u =
+      fmin(fmax((row * shutter->line_s + 0.5 * shutter->exposure_s) / window_s, 0.0), 1.0);
+  return shutter->held ? held(&placement->camera.motion, u) : u;
+}
+
 pl_status pl_placement_at(const pl_scene *scene, const pl_placement *from, double u,
                           pl_arena *arena, pl_placement *out) {
   pl_object_state *objects = pl_arena_alloc(arena, scene->craft_count, sizeof *objects);

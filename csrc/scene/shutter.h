@@ -8,6 +8,10 @@
  * instant. */
 double pl_shutter_window_s(const pl_placement *placement);
 
+/* Returns the fraction (0..1) of that time at the middle of a row's exposure; with shutter.held
+ * that of the nearest key. */
+double pl_shutter_row_share(const pl_placement *placement, double row);
+
 /* Makes the static placement at the fraction u (0..1) of that time. Allocated in `arena`; constant
  * parts stay borrowed. With shutter.held, u is rounded to the nearest key. */
 pl_status pl_placement_at(const pl_scene *scene, const pl_placement *placement, double u,

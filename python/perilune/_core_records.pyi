@@ -157,6 +157,12 @@ class FrameRequest(TypedDict):
     # Of channels of the ground: {"baselines_m": (n,), at most 8; "points" of a disc, 8 to 256;
     # "hazard": footprint in m, and the greatest slope in rad, RMS height in m and rock in m}
     ground_labels: NotRequired[Mapping[str, Any] | None]
+    # Of channels of motion: the requests of other frames, of which only what is placed counts; None:
+    # there is no such frame.
+    next: NotRequired[FrameRequest | None]
+    previous: NotRequired[FrameRequest | None]
+    # (bodies,), in another frame: whether a body's shape or terrain differs from this one's
+    changed_bodies: NotRequired[NDArray[np.bool_]]
     amodal: NotRequired[bool]  # whether objects get the labels of their full silhouettes (True)
 
 class PlanRow(TypedDict):

@@ -20,10 +20,16 @@ from perilune.bodies.shapes import BodyShape
 from perilune.camera import bands, trajectories
 from perilune.camera.imaging import intrinsics
 from perilune.config import Config, ConfigError
-from perilune.config.errors import named, nearest
+from perilune.config.errors import named
 from perilune.document import Document, load
-from perilune.document.references import OBJECTS, OF_SENSOR, check_channels, check_references
-from perilune.frame import craters, labels, passes, shutter
+from perilune.document.references import (
+    OBJECTS,
+    OF_MOTION,
+    OF_SENSOR,
+    check_channels,
+    check_references,
+)
+from perilune.frame import craters, labels, motion, passes, shutter
 from perilune.frame.ground_tables import GroundTables, body_with_terrain
 from perilune.frame.handles import Assets, Handles, ObjectModel
 from perilune.frame.remarks import Remarks
@@ -33,6 +39,7 @@ from perilune.frame.shown import Plan
 from perilune.frame.states import states
 from perilune.frame.unseen import Unseen
 from perilune.orbits import Setting, System, solar_system
+from perilune.orbits.hooked import hooks_of
 from perilune.orbits.motion import Kept
 from perilune.orbits.sunlight import LightCurve, light_curve
 from perilune.sample import Sample
@@ -102,7 +109,7 @@ class Simulation:
         check_references(document.config, document.source, document.drivers, document.origins)
         self._document = document
         self._trajectory = trajectory
-        self._orbits = _hooks_of(orbits, document.config)
+        self._orbits = hooks_of(orbits, document.config)
         if trajectory is not None:
             arguments.function("trajectory", trajectory, "of a perilune.world.World")
         self._epoch = solar_system.date_from_utc(document.config.time.utc_fields())
@@ -293,6 +300,17 @@ class Simulation:
     ) -> _core.FrameRequest:
         """posed: poses of the moving parts in the middle of the exposure, if already known."""
         handles = self._mine()
+        request = self._placed(scene, posed)
+        request["sky"] = handles.skies.request(scene)
+        if scene.config.volumes:
+            request["volumes"] = handles.volumes.request(scene.config)
+        return request
+
+    def _placed(
+        self, scene: World, posed: Mapping[str, articulation.Posed] | None = None
+    ) -> _core.FrameRequest:
+        """The request without sky and volumes."""
+        handles = self._mine()
         posed = posed or handles.posed(shutter.middle(scene))
         scales = handles.scales(scene.config)
         request = request_of(
@@ -303,9 +321,6 @@ class Simulation:
             self._keys(scene),
             self._document.path,
         )
-        request["sky"] = handles.skies.request(scene)
-        if scene.config.volumes:
-            request["volumes"] = handles.volumes.request(scene.config)
         request["graph_parameters"] = handles.looks.parameters(scene.config)
         return request
 
@@ -320,6 +335,14 @@ class Simulation:
             hooked=self._trajectory is not None or scene.camera.trajectory.kind == "hook",
         )
         return shutter.keys(scene, float(intrinsics(scene.camera)[0, 0]), exposure)
+
+    def _add_neighbours(
+        self, request: _core.FrameRequest, scene: World, names: Sequence[str]
+    ) -> None:
+        if self.timeline.frames_per_scene == 1:
+            where = f"{self._document.source}: time.frames_per_scene"
+            self._remarks.tell_of_key(where, motion.ALONE)
+        motion.add_neighbours(request, scene, names, self.timeline, self.world, self._placed)
 
     def _metered(self, scene: World) -> tuple[Config, _core.FrameRequest] | None:
         """The frame that sets the exposure of a sensor with a lag; None if it meters itself."""
@@ -351,7 +374,7 @@ class Simulation:
         metered = self._metered(scene) if request["sensor"] is not None else None
         with handles.lock:
             if metered is not None:
-                _expose(request, handles.renderer_of(metered[0]).plan(metered[1]))
+                passes.expose(request, handles.renderer_of(metered[0]).plan(metered[1]))
             return Plan(handles.renderer_of(scene.config).plan(request)["plan"])
 
     def __getitem__(self, index: int) -> Sample:
@@ -378,13 +401,15 @@ class Simulation:
         handles = self._mine()
         posed = handles.posed(shutter.middle(scene))
         request = self._request(scene, posed)
+        if set(OF_MOTION) & set(names):
+            self._add_neighbours(request, scene, names)
         metered = self._metered(scene) if set(names) & set(OF_SENSOR) else None
         undistorted = scene.config.camera.label_lens == "undistorted"
         arrays = arrays_of(scene.config, names, out or {}, handles.pool)
         try:
             with handles.lock:
                 if metered is not None:
-                    _expose(request, handles.renderer_of(metered[0]).plan(metered[1]))
+                    passes.expose(request, handles.renderer_of(metered[0]).plan(metered[1]))
                 renderer = handles.renderer_of(scene.config)
                 result = passes.render(renderer, request, arrays, count, undistorted)
         except Exception as error:
@@ -524,13 +549,6 @@ class Simulation:
         return draw(self._document, name, on)
 
 
-def _expose(request: _core.FrameRequest, metered: _core.FrameResult) -> None:
-    """Applies the exposure that was metered on another frame."""
-    sensor = dict(request["sensor"] or {})
-    sensor.update(auto_time=None, exposure_s=metered["exposure_s"], gain=metered["gain_e_dn"])
-    request["sensor"] = sensor
-
-
 def open(  # noqa: A001 (perilune.open is the interface)
     config: ConfigSource,
     seed: int | None = None,
@@ -575,17 +593,3 @@ def open(  # noqa: A001 (perilune.open is the interface)
         changes["seed"] = seed
     document = load(config, changes, None if base is None else Path(base), replay)
     return Simulation(document, trajectory, orbits)
-
-
-_AS_HOOK = "that draws its orbit (the keys of one go into overrides)"
-
-
-def _hooks_of(orbits: Mapping[str, Hook] | None, config: Config) -> dict[str, Hook]:
-    like = "{'sat': function}"
-    found = dict(arguments.mapping("orbits", orbits or {}, like))
-    known = [*config.bodies, *config.spacecraft]
-    for name, hook in found.items():
-        if name not in known:
-            raise ConfigError(f"orbits: no entry named '{name}'{nearest(name, known)}")
-        arguments.function(f"orbits['{name}']", hook, _AS_HOOK)
-    return found

@@ -70,6 +70,16 @@ class Timeline:
         step = max(min(first, moment.step), moment.step - frames * interval)
         return self.index_of(step, moment.sensor)
 
+    def beside(self, index: int, frames: int) -> int | None:
+        """Index of the frame that the same sensor takes this many of its frames later (before, if
+        negative); None if the scene has none."""
+        moment = self.at(index)
+        interval = 1 if moment.sensor is None else self.trigger_intervals[moment.sensor]
+        step = moment.step + frames * interval
+        if step < 0 or step // self.frames_per_scene != moment.scene:
+            return None
+        return self.index_of(step, moment.sensor)
+
     def _step_and_sensor(self, index: int) -> tuple[int, str]:
         # The last step with no more than `index` frames before it: it has the frame itself, as a
         # step without frames has as many before it as the next one. The sensor triggered most

@@ -17,6 +17,10 @@ MASKS = "masks"
 """Name that requests the full silhouettes, one image per spacecraft."""
 OF_SENSOR = ("raw", "sensor_rgb")
 """Channels that only cameras with a section `sensor` have."""
+TO_NEXT = ("flow", "flow_occlusion", "scene_flow")
+TO_PREVIOUS = ("flow_backward", "flow_occlusion_backward")
+OF_MOTION = (*TO_NEXT, *TO_PREVIOUS)
+"""Channels that lead to other frames of a scene."""
 
 
 def channel_names() -> list[str]:
@@ -27,6 +31,8 @@ def channel_names() -> list[str]:
 def pixel_channels(config: Config) -> list[str]:
     """The pixel channels that all cameras of a configuration have."""
     names = [channel["name"] for channel in _core.CHANNELS]
+    if config.time.frames_per_scene == 1:
+        names = [name for name in names if name not in OF_MOTION]
     if any(camera.sensor is None for camera in config.cameras.values()):
         names = [name for name in names if name not in OF_SENSOR]
     if any(bands.has_planes(camera) for camera in config.cameras.values()):

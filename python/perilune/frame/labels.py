@@ -21,6 +21,14 @@ HAZARDS = {0: "safe", 1: "slope", 2: "roughness", 4: "rocks", 128: "unknown"}
 """Bits of the channel `hazard`, which are summed."""
 SHADOWS = {0: "sunlit or sky", 1: "shadow"}
 """Values of the channel `shadow`."""
+_OCCLUSION = {0: "seen there", 1: "not seen there"}
+VALUES: Mapping[str, Mapping[int, str]] = {
+    "hazard": HAZARDS,
+    "shadow": SHADOWS,
+    "flow_occlusion": _OCCLUSION,
+    "flow_occlusion_backward": _OCCLUSION,
+}
+"""Names of the values of channels that do not depend on the configuration."""
 _SURFACE = "surface"
 _PART = "part"
 _IDS_MAX = 65535
@@ -78,7 +86,7 @@ class Taxonomy:
         """`names` of instance, part, semantic/0, semantic/1 ..."""
         channels = ["instance", "part", *(f"semantic/{k}" for k in range(len(self.levels)))]
         named = {channel: self.names(channel) for channel in channels}
-        return named | {"hazard": HAZARDS, "shadow": SHADOWS}
+        return named | {channel: dict(values) for channel, values in VALUES.items()}
 
     def class_ids(self, *names: Mapping[str, str]) -> NDArray[np.uint16]:
         """(n, levels): class ids of objects given by their class name at each level; 0 without

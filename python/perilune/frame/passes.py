@@ -8,6 +8,7 @@ from typing import Any
 from numpy.typing import NDArray
 
 from perilune import _core
+from perilune.frame.motion import NEIGHBOURS
 
 COLOURS = frozenset(row["name"] for row in _core.CHANNELS if row["colour"])
 """Channels other than labels."""
@@ -25,7 +26,7 @@ def render(
     colour = {name: array for name, array in arrays.items() if name in COLOURS}
     if not undistorted:
         return renderer.render(request, arrays, threads)
-    pinhole: _core.FrameRequest = {**request, "lens": None}
+    pinhole = _without_lens(request)
     if not colour:
         return renderer.render(pinhole, arrays, threads)
     result = renderer.render(request, colour, threads)
@@ -34,3 +35,20 @@ def render(
         times = renderer.render(pinhole, labels, threads)["timings_s"]
         result["timings_s"] = {name: t + times[name] for name, t in result["timings_s"].items()}
     return result
+
+
+def _without_lens(request: _core.FrameRequest) -> _core.FrameRequest:
+    """The same for cameras without distortion, in the frames that labels lead to, too."""
+    pinhole: _core.FrameRequest = {**request, "lens": None}
+    for key in NEIGHBOURS:
+        other = request.get(key)
+        if other is not None:
+            pinhole[key] = {**other, "lens": None}
+    return pinhole
+
+
+def expose(request: _core.FrameRequest, metered: _core.FrameResult) -> None:
+    """Applies the exposure that was metered on another frame."""
+    sensor = dict(request["sensor"] or {})
+    sensor.update(auto_time=None, exposure_s=metered["exposure_s"], gain=metered["gain_e_dn"])
+    request["sensor"] = sensor

@@ -9,7 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from perilune.base import hooks, rotations
+from perilune.base import arguments, hooks, rotations
+from perilune.base.hooks import Hook
+from perilune.config import Config
+from perilune.config.errors import ConfigError, nearest
 from perilune.config.orbit import Drawn
 from perilune.config.orbit import Hook as HookOrbit
 from perilune.orbits.drawn import run_through, start_rev
@@ -147,3 +150,18 @@ def hook(orbit: Any, place: Place, world: Callable[[], Surroundings]) -> Motion:
     except ValueError as error:
         name = getattr(given, "__name__", repr(given))
         raise ValueError(f"orbit.hook: {name}: {error}") from None
+
+
+_AS_HOOK = "that draws its orbit (the keys of one go into overrides)"
+
+
+def hooks_of(orbits: Mapping[str, Hook] | None, config: Config) -> dict[str, Hook]:
+    """The hooks given in code, checked: ConfigError for a name that no entry has."""
+    like = "{'sat': function}"
+    found = dict(arguments.mapping("orbits", orbits or {}, like))
+    known = [*config.bodies, *config.spacecraft]
+    for name, hook in found.items():
+        if name not in known:
+            raise ConfigError(f"orbits: no entry named '{name}'{nearest(name, known)}")
+        arguments.function(f"orbits['{name}']", hook, _AS_HOOK)
+    return found

@@ -54,6 +54,8 @@ def test_every_channel_of_the_core_is_on_disk_as_it_is(dataset, sim):
         "instance",
         "hazard",
         "shadow",
+        "flow_occlusion",
+        "flow_occlusion_backward",
     }
     names = {"0": "background", "1": "planet", "2": "probe", "3": "mate"}
     assert info["labels"]["instance"] == names

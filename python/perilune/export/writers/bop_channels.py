@@ -22,7 +22,7 @@ from perilune.document.references import MASKS, OBJECTS, OF_SENSOR
 from perilune.export.writers.bop_files import RGB_FOLDER
 from perilune.export.writers.files import PNG_LEVEL, write_bytes
 from perilune.frame.craters import bodies_with
-from perilune.frame.labels import HAZARDS, SHADOWS
+from perilune.frame.labels import VALUES
 from perilune.frame.request import channel_layout
 from perilune.simulation import Simulation
 
@@ -120,9 +120,8 @@ def label_names(sim: Simulation, channels: Iterable[str]) -> dict[str, Any]:
             found[channel] = [{"level": level, "names": names_of(level)} for level in levels]
         elif channel in ("instance", "part"):
             found[channel] = names_of(channel)
-        elif channel in ("hazard", "shadow"):
-            values = HAZARDS if channel == "hazard" else SHADOWS
-            found[channel] = {str(value): name for value, name in values.items()}
+        elif channel in VALUES:
+            found[channel] = {str(value): name for value, name in VALUES[channel].items()}
     return found
 
 

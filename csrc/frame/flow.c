@@ -1,0 +1,37 @@
+#include "frame/flow.h"
+
+#include "frame/moving.h"
+
+static pl_status make_frame(pl_renderer *renderer, const pl_other_frame *other,
+                            const pl_choice *choice, bool rolls, const pl_flow_frame **out) {
+  pl_choice labels = pl_choice_of_labels(choice);
+  labels.far_casters = false; /* nothing is lit */
+  pl_flow_frame *made = pl_arena_alloc(&renderer->arena, 1, sizeof *made);
+  if (made == NULL)
+    return pl_fail(PL_E_MEMORY, "out of memory for another frame");
+  made->frame = other;
+  made->rows = rolls && other->placement.shutter.line_s > 0.0;
+  *out = made;
+  PL_TRY(pl_placement_check(renderer->scene, &other->placement));
+  return pl_realise_geometry(renderer->accelerators, renderer->scene, &other->placement, &labels,
+                             &renderer->arena, &made->shot, &made->tracer);
+}
+
+pl_status pl_frame_flow(pl_renderer *renderer, const pl_frame_request *request, const pl_plan *plan,
+                        const pl_choice *choice, const pl_flow **out) {
+  pl_flow found;
+  *out = NULL;
+  if (!pl_flow_init(request->channels, &found))
+    return PL_OK;
+  /* As in this frame: where its plan takes all rows at once, so does the other. */
+  const bool rolls = pl_moving_rolls(request, plan);
+  for (int to = 0; to < PL_FLOW_FRAMES; to++)
+    if (found.wanted[to] && request->others[to] != NULL)
+      PL_TRY(make_frame(renderer, request->others[to], choice, rolls, &found.frames[to]));
+  pl_flow *made = pl_arena_alloc(&renderer->arena, 1, sizeof *made);
+  if (made == NULL)
+    return pl_fail(PL_E_MEMORY, "out of memory for labels of motion");
+  *made = found;
+  *out = made;
+  return PL_OK;
+}
