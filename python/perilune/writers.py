@@ -10,6 +10,7 @@ from perilune.export.writers import (
     find,
     merge_bop,
     register,
+    write,
     write_bop,
 )
 
@@ -23,5 +24,6 @@ __all__ = [
     "find",
     "merge_bop",
     "register",
+    "write",
     "write_bop",
 ]

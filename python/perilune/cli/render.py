@@ -16,14 +16,17 @@ from perilune.cli.options import (
     whole_number,
 )
 from perilune.cli.progress import Bar
-from perilune.export.writers import WRITERS, Writer, find, plugins
+from perilune.export.writers import WRITERS, find, write
 
 
-def _writer(name: str) -> Writer:
+def _formats(text: str) -> list[str]:
+    names = text.split(",")
     try:
-        return find(name)
+        for name in names:
+            find(name)
     except ValueError as error:
         raise ArgumentTypeError(str(error)) from None
+    return names
 
 
 def _configure(parser: ArgumentParser) -> None:
@@ -33,10 +36,11 @@ def _configure(parser: ArgumentParser) -> None:
     formats = "; ".join(f"{row.name}: {row.doc}" for row in WRITERS.values())
     parser.add_argument(
         "--format",
-        type=_writer,
+        type=_formats,
         default=next(iter(WRITERS)),
-        metavar="NAME",
-        help=f"{formats}; or an installed format, or module:function (default: %(default)s)",
+        metavar="NAME[,NAME]",
+        help=f"{formats}; or an installed format, or module:function; several are written in one "
+        "pass, each to a folder of its name below DIR (default: %(default)s)",
     )
     parser.add_argument(
         "--chunk-size",
@@ -65,7 +69,7 @@ def _run(args: Namespace) -> int:
     start = time.perf_counter()
     with Bar() as bar:
         try:
-            report = plugins.write(
+            report = write(
                 args.format,
                 sim,
                 args.frames,

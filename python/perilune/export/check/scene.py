@@ -27,12 +27,12 @@ from perilune.export.writers.bop_files import (
     COCO_FILE,
     GT_FILE,
     INFO_FILE,
-    PARTIAL,
     RGB_FOLDER,
     SCENE_FILES,
     SceneFolder,
 )
 from perilune.export.writers.bop_labels import CocoHeader
+from perilune.export.writers.files import PARTIAL
 
 _FREE = {"aux"}
 """Folders in which a scene may keep files outside the format."""

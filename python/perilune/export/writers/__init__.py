@@ -1,15 +1,21 @@
-"""Writers of datasets to disk. A new format is its own file and one line of the table below.
+"""Writers of datasets to disk. A new format is its own file and one line of formats/tables.py.
 
 Other formats are registered in code (`register`), installed as entry points of the group
 `perilune.writers`, or named as `module:function`."""
 
+from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 from perilune.export.writers import plugins
-from perilune.export.writers.bop import write_bop
+from perilune.export.writers.begin import as_range
+from perilune.export.writers.bop import open_bop, write_bop
+from perilune.export.writers.formats.tables import FORMATS
 from perilune.export.writers.lock import FolderInUseError
 from perilune.export.writers.merge import merge_bop
+from perilune.export.writers.several import write_formats, writer_of
 from perilune.export.writers.table import Progress, WriteFunction, Writer, WriteReport
+from perilune.simulation import Simulation
 
 __all__ = [
     "WRITERS",
@@ -21,6 +27,7 @@ __all__ = [
     "find",
     "merge_bop",
     "register",
+    "write",
     "write_bop",
 ]
 
@@ -31,10 +38,38 @@ WRITERS: dict[str, Writer] = {
             "bop",
             "BOP scene folders: images, depth, masks, boxes, poses, COCO annotations and models",
             write_bop,
+            lambda channel: True,  # a folder each for what BOP does not define
+            open_bop,
         ),
+        *(writer_of(fmt, lambda: WRITERS) for fmt in FORMATS.values()),
     )
 }
 """Every format that `perilune render --format` writes."""
+
+
+def write(
+    formats: str | Sequence[str],
+    sim: Simulation,
+    frames: range | Sequence[int],
+    out: str | Path,
+    **options: Any,
+) -> WriteReport:
+    """Writes frames in one format, or in several ("bop,coco", or a list) in one pass of rendering.
+
+    One format is written to the folder `out`, each of several to a folder of its name below it.
+    options: chunk_size, threads, split, shard, progress, as for write_bop; so are the errors.
+    ConfigError for a channel in render.channels that none of the formats can hold; ValueError for
+    an unknown format, or several of which one is a function that knows nothing of others."""
+    names = formats.split(",") if isinstance(formats, str) else list(formats)
+    rows = [find(name) for name in dict.fromkeys(names)]
+    if not rows:
+        raise ValueError(f"format: must name one of {', '.join(WRITERS)}")
+    foreign = [row.name for row in rows if row.opener is None]
+    if len(rows) > 1 and foreign:
+        raise ValueError(f"format '{foreign[0]}': cannot be written beside others; write it alone")
+    if foreign:
+        return plugins.write(rows[0], sim, as_range(frames), out, **options)
+    return write_formats(rows, WRITERS, sim, frames, out, **options)
 
 
 def register(name: str, write: Any, doc: str = "") -> None:

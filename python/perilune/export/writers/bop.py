@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import logging
 import re
 from collections.abc import Callable, Mapping, Sequence
@@ -14,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perilune import _core
-from perilune.export.writers.begin import changed_keys, check_folder
+from perilune.export.writers.begin import check_folder
 from perilune.export.writers.bop_channels import TABLES, ChannelFiles, channel_files, pictures
 from perilune.export.writers.bop_files import (
     MM_PER_M,
@@ -45,6 +44,7 @@ from perilune.export.writers.files import (
     write_text,
 )
 from perilune.export.writers.run import Begun, write_datasets
+from perilune.export.writers.same_source import check_same_source
 from perilune.export.writers.shards import Shard
 from perilune.export.writers.table import Progress, WriteReport
 from perilune.sample import Sample
@@ -299,33 +299,6 @@ def _check_split(split: str) -> None:
         )
 
 
-def _check_same_source(path: Path, info: dict[str, Any], sim: Simulation) -> bool:
-    """True if the folder belongs to this very source, False if it is new; otherwise an error."""
-    try:
-        found = json.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        return False
-    except (json.JSONDecodeError, UnicodeDecodeError) as error:
-        raise ValueError(
-            f"{path}: is not JSON ({error}); remove it or use another folder"
-        ) from error
-    for key in sorted({*info, *found} - {"versions"}):
-        if found.get(key) != info.get(key):
-            changed = changed_keys(path.parent, sim.document.tree)
-            if changed and key not in ("chunk_size", "seed", "split"):
-                raise ValueError(
-                    f"{path.parent}: holds a dataset of another configuration: {changed}; use "
-                    "another folder, or remove this one"
-                )
-            raise ValueError(
-                f"{path.parent}: holds a dataset with another {key} ({found.get(key)!r}, here "
-                f"{info.get(key)!r}); use another folder, or remove this one"
-            )
-    if found.get("versions") != info.get("versions"):
-        _log.warning("%s: was begun with other versions: %s", path.parent, found.get("versions"))
-    return True
-
-
 def _write_source(
     sim: Simulation, root: Path, chunk_size: int, split: str, begin: Callable[[], object] | None
 ) -> dict[int, BopModel]:
@@ -342,7 +315,7 @@ def _write_source(
     make_folder(root)  # when nothing but the disk can fail any more
     if begin is not None:
         begin()
-    if not _check_same_source(root / SOURCE_FILE, info, sim):
+    if not check_same_source(root / SOURCE_FILE, info, sim):
         write_text(root / SOURCE_FILE, json_text(info))
     write_other_text(root / CONFIG_FILE, config_text(config_entry(sim)))
     write_other_text(root / "camera.json", json_text(camera_entry(sim)))

@@ -21,6 +21,7 @@ from perilune.camera import bands
 from perilune.document.references import MASKS, OBJECTS, OF_SENSOR
 from perilune.export.writers.bop_files import RGB_FOLDER
 from perilune.export.writers.files import PNG_LEVEL, write_bytes
+from perilune.export.writers.shown import main_picture
 from perilune.frame.craters import bodies_with
 from perilune.frame.labels import VALUES
 from perilune.frame.request import channel_layout
@@ -80,7 +81,7 @@ def pictures(sim: Simulation) -> dict[str, str]:
     `rgb`, the folder for training, holds `sensor_rgb` if that is requested and `rgb` is not. Other
     channels of the sensor have a folder of their own name."""
     asked = sim.config.render.channels
-    main = "sensor_rgb" if "sensor_rgb" in asked and RGB_FOLDER not in asked else RGB_FOLDER
+    main = main_picture(sim)
     others = [name for name in OF_SENSOR if name in asked and name != main]
     shown = {RGB_FOLDER: main} | {name: name for name in others}
     return {folder: name for folder, name in shown.items() if name != "raw" or not _planes(sim)}

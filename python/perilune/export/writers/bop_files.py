@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from perilune.export.writers.bop_labels import CocoHeader
 from perilune.export.writers.files import (
+    PARTIAL,
     TEMPORARY,
     json_by_id,
     json_sections,
@@ -42,8 +43,6 @@ COCO_FILE = "scene_gt_coco.json"
 SCENE_FILES = (CAMERA_FILE, GT_FILE, INFO_FILE, COCO_FILE)
 RGB_FOLDER = "rgb"
 LABEL_FOLDERS = ("depth", "mask", "mask_visib")
-PARTIAL = ".partial"
-"""Hidden folder of a scene that is being written."""
 
 
 def depth_scale_mm(z_max_mm: float) -> float:

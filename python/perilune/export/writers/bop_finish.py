@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import shutil
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -19,11 +18,10 @@ from perilune.export.writers.files import (
     remove_temporary,
     write_other_text,
 )
-from perilune.export.writers.shards import NOTES
+from perilune.export.writers.shards import drop_notes
 
 LOCALISATION = "test_targets_bop19.json"
 DETECTION = "test_targets_bop24.json"
-_OLD_NOTES = ".shards"
 
 
 def scene_folders(split: Path) -> dict[int, Path]:
@@ -106,11 +104,7 @@ def finish(root: Path) -> Summary:
     found = summary(root / _read(root / SOURCE_FILE)["split"])
     for name, text in closing_texts(root, found).items():
         write_other_text(root / name, text)
-    # A part of the notes would stand for missing shards: they go at once.
-    shutil.rmtree(root / _OLD_NOTES, ignore_errors=True)
-    if (root / NOTES).exists():
-        (root / NOTES).rename(root / _OLD_NOTES)
-        shutil.rmtree(root / _OLD_NOTES)
+    drop_notes(root)
     return found
 
 

@@ -192,25 +192,16 @@ def dataset_name(sim: Simulation) -> str:
     return re.sub("[^a-z0-9]", "", sim.config.name.lower()) or "perilune"
 
 
-def dataset_info(sim: Simulation, chunk_size: int, split: str) -> dict[str, Any]:
-    """dataset_info.json: everything needed to make the same dataset again. No time stamps."""
+def provenance(sim: Simulation, chunk_size: int, split: str) -> dict[str, Any]:
+    """What dataset_info.json of any format says of how the dataset was made. No time stamps."""
     tree = {key: value for key, value in sim.document.tree.items() if key != "seed"}
     text = json.dumps(tree, sort_keys=True, separators=(",", ":"))
     sensors = [
         {"name": name, "trigger_interval": sensor.trigger_interval}
         for name, sensor in sim.config.sensors.items()
     ]
-    shown, beside = pictures(sim), channel_files(sim)
-    names = label_names(sim, beside)
-    undistorted = any(camera.label_lens for camera in sim.config.cameras.values())
-    rolling = any(camera.line_time_us > 0.0 for camera in sim.config.cameras.values())
     return {
         **({"sensors": sensors} if sensors else {}),
-        **({"annotations": "undistorted"} if undistorted else {}),
-        **({"rolling_shutter": True} if rolling else {}),
-        **({"pictures": shown} if shown != {RGB_FOLDER: "rgb"} else {}),
-        **({"channels": {k: row.entry() for k, row in beside.items()}} if beside else {}),
-        **({"labels": names} if names else {}),
         "chunk_size": chunk_size,
         "config_name": sim.config.name,
         "config_sha256": hashlib.sha256(text.encode("utf-8")).hexdigest(),
@@ -220,4 +211,20 @@ def dataset_info(sim: Simulation, chunk_size: int, split: str) -> dict[str, Any]
         "seed": sim.config.seed,
         "split": split,
         "versions": {"perilune": VERSION, **_core.version()},
+    }
+
+
+def dataset_info(sim: Simulation, chunk_size: int, split: str) -> dict[str, Any]:
+    """dataset_info.json: everything needed to make the same dataset again."""
+    shown, beside = pictures(sim), channel_files(sim)
+    names = label_names(sim, beside)
+    undistorted = any(camera.label_lens for camera in sim.config.cameras.values())
+    rolling = any(camera.line_time_us > 0.0 for camera in sim.config.cameras.values())
+    return {
+        **provenance(sim, chunk_size, split),
+        **({"annotations": "undistorted"} if undistorted else {}),
+        **({"rolling_shutter": True} if rolling else {}),
+        **({"pictures": shown} if shown != {RGB_FOLDER: "rgb"} else {}),
+        **({"channels": {k: row.entry() for k, row in beside.items()}} if beside else {}),
+        **({"labels": names} if names else {}),
     }

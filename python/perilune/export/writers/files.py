@@ -14,6 +14,8 @@ CARD_FILE = "dataset_info.md"
 """Written last: a dataset without it is incomplete."""
 TEMPORARY = ".tmp"
 """Suffix of files that are being written."""
+PARTIAL = ".partial"
+"""Hidden folder of what is being written."""
 PNG_LEVEL = 6
 
 

@@ -14,11 +14,14 @@ from perilune.export.writers.begin import as_range, check_folder, check_simulati
 from perilune.export.writers.lock import locked
 from perilune.export.writers.queue import WriteQueue
 from perilune.export.writers.shards import Note, Shard, check_frames, shard_chunks
+from perilune.export.writers.shown import main_picture
 from perilune.export.writers.table import Progress, WriteReport
 from perilune.sample import Sample
 from perilune.simulation import Simulation
 
 Tables = Mapping[str, NDArray[Any]]
+NEXT = "next picture"
+"""Stands among tables for the main picture of the frame after this one."""
 
 
 class Dataset(Protocol):
@@ -40,7 +43,7 @@ class Dataset(Protocol):
 
     @property
     def tables(self) -> Sequence[str]:
-        """Tables of the ground that it needs of a frame."""
+        """Tables of the ground that it needs of a frame; maybe NEXT."""
         ...
 
     def find(self, images_of: Mapping[int, Mapping[int, int]], chunk_size: int) -> None:
@@ -101,12 +104,26 @@ class _Frames:
     def __init__(self, sim: Simulation, datasets: Sequence[Dataset], threads: int | None) -> None:
         self._sim, self._threads = sim, threads
         self._channels = list(dict.fromkeys(name for each in datasets for name in each.channels))
-        self._tables = list(dict.fromkeys(name for each in datasets for name in each.tables))
+        tables = dict.fromkeys(name for each in datasets for name in each.tables)
+        self._tables = [name for name in tables if name != NEXT]
+        self._pairs = NEXT in tables
+        self._kept: Sample | None = None
+        """The frame that came next to the last one."""
+
+    def _frame(self, index: int) -> Sample:
+        kept = self._kept
+        if kept is not None and kept.meta["index"] == index:
+            return kept
+        return self._sim.frame(index, channels=self._channels, threads=self._threads)
 
     def __call__(self, index: int) -> tuple[Sample, Tables]:
-        sample = self._sim.frame(index, channels=self._channels, threads=self._threads)
+        sample = self._frame(index)
         found = self._sim.ground_tables(sample) if self._tables else {}
-        return sample, {table: found[table] for table in self._tables}
+        tables = {table: found[table] for table in self._tables}
+        if self._pairs:
+            self._kept = self._frame(index + 1)
+            tables[NEXT] = self._kept[main_picture(self._sim)]
+        return sample, tables
 
 
 def _write_chunk(chunk: int, datasets: Sequence[Dataset], frames: _Frames, told: _Told) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,6 +14,7 @@ Shard = tuple[int, int]
 
 NOTES = "shards"
 """Folder with notes of shards that are not merged yet."""
+_OLD_NOTES = ".shards"
 _IDS = 1_000_000
 
 
@@ -71,3 +73,12 @@ def read_notes(root: Path) -> list[Note]:
         except (ValueError, TypeError, KeyError) as error:
             raise ValueError(f"{path}: is no note of a shard ({error})") from error
     return notes
+
+
+def drop_notes(root: Path) -> None:
+    """Removes the notes of shards. A part of them would stand for missing shards: they go at
+    once."""
+    shutil.rmtree(root / _OLD_NOTES, ignore_errors=True)
+    if (root / NOTES).exists():
+        (root / NOTES).rename(root / _OLD_NOTES)
+        shutil.rmtree(root / _OLD_NOTES)

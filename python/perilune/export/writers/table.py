@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol
 
 from perilune.simulation import Simulation
 
@@ -48,3 +48,7 @@ class Writer:
     name: str
     doc: str
     write: WriteFunction
+    holds: Callable[[Any], bool] | None = None
+    """Whether it can hold a channel (formats.channels.Channel); None: it says nothing of it."""
+    opener: Any = None
+    """A run.Opener; None for formats that cannot be written beside others."""

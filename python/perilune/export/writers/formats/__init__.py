@@ -1,0 +1,1 @@
+"""Formats of datasets in folders, a file each; `table.py` lists them."""

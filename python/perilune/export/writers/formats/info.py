@@ -1,0 +1,71 @@
+"""dataset_info.json of datasets in folders: what they hold, how they were made."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from perilune.export.writers.bop_channels import label_names
+from perilune.export.writers.bop_source import provenance
+from perilune.export.writers.formats.base import Format, Info
+from perilune.export.writers.formats.channels import Channel, asked_channels, described
+from perilune.export.writers.shown import main_picture
+from perilune.frame.labels import object_class
+from perilune.simulation import Simulation
+
+PICTURE = "picture"
+
+
+def rendered(fmt: Format, sim: Simulation) -> list[str]:
+    """Channels that a format writes: what is asked for and it can hold, and what it needs."""
+    asked, _ = asked_channels(sim)
+    every = described(sim, asked)
+    own = [name for name, channel in every.items() if not fmt.problem(channel)]
+    needs = [main_picture(sim) if name == PICTURE else name for name in fmt.needs]
+    known = described(sim, needs)
+    return list(dict.fromkeys([*own, *(name for name in needs if name in known)]))
+
+
+def _taxonomy(sim: Simulation) -> dict[str, Any]:
+    taxonomy, config = sim.taxonomy, sim.config
+    classes, levels = taxonomy.classes, ("kind", "object")
+    instances = []
+    for name, number in taxonomy.instances.items():
+        entry = config.bodies.get(name) or config.spacecraft[name]
+        kind = "body" if name in config.bodies else "spacecraft"
+        row: dict[str, Any] = {"id": number, "name": name, "kind": kind}
+        row["class"] = object_class(name, entry)
+        row["class_id"] = classes["object"][row["class"]]
+        if name in sim.models:
+            row["obj_id"] = sim.models[name].obj_id
+        instances.append(row)
+    parts = [
+        {
+            "id": part.id,
+            "owner": part.owner,
+            "name": part.name,
+            "class": part.class_name,
+            "class_id": classes["part"][part.class_name],
+        }
+        for part in taxonomy.parts
+    ]
+    named = {level: dict(classes[level]) for level in (*levels, "part")}
+    return {"classes": named, "instances": instances, "parts": parts}
+
+
+def folder_info(fmt: Format, sim: Simulation, chunk_size: int, split: str) -> dict[str, Any]:
+    """dataset_info.json, without the sums of files beside the frames."""
+    channels = described(sim, rendered(fmt, sim))
+    names = label_names(sim, channels)
+    return {
+        **provenance(sim, chunk_size, split),
+        "format": fmt.name,
+        "picture": main_picture(sim),
+        "channels": {name: channel.entry() for name, channel in channels.items()},
+        **({"labels": names} if names else {}),
+        "taxonomy": _taxonomy(sim),
+    }
+
+
+def channels_of(info: Info) -> dict[str, Channel]:
+    """The channels of a dataset."""
+    return {name: Channel(name, **entry) for name, entry in info["channels"].items()}

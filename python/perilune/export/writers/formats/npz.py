@@ -1,0 +1,48 @@
+"""NumPy archives: a file a frame with every channel as it is."""
+
+from __future__ import annotations
+
+import io
+import json
+import zipfile
+from collections.abc import Callable
+
+from perilune.export.writers.formats.base import Array, Encoded, Format, Frame, Info, Record
+from perilune.export.writers.formats.channels import Channel
+from perilune.export.writers.formats.pixels import from_npy, npy
+
+_LEVEL = 4
+_META = "meta.json"
+
+
+class Npz(Format):
+    """Arrays of a frame in one archive."""
+
+    name = "npz"
+    doc = "a NumPy archive a frame, every channel as it is"
+    layout = "`NNNNNN.npz`: an array a channel; `meta.json` in it is the frame's record"
+    reader = "NumPy (`numpy.load`)"
+
+    def holds(self, channel: Channel) -> bool:
+        """Everything."""
+        return True
+
+    def encode(self, info: Info, frame: Frame) -> Encoded:
+        """The archive: no time stamps, so that the same frame has the same bytes."""
+        file = io.BytesIO()
+        with zipfile.ZipFile(file, "w") as archive:
+            members = {f"{name}.npy": npy(array) for name, array in frame.arrays.items()}
+            members[_META] = json.dumps(frame.record, sort_keys=True).encode("utf-8")
+            for name, data in members.items():
+                entry = zipfile.ZipInfo(name)  # of 1980-01-01
+                entry.external_attr = 0o644 << 16
+                archive.writestr(entry, data, zipfile.ZIP_DEFLATED, _LEVEL)
+        return Encoded({f"{frame.key}.npz": file.getvalue()})
+
+    def decode(self, info: Info, record: Record, read: Callable[[str], bytes]) -> dict[str, Array]:
+        """Its arrays."""
+        (name,) = record["files"]
+        with zipfile.ZipFile(io.BytesIO(read(name))) as archive:
+            return {
+                channel: from_npy(archive.read(f"{channel}.npy")) for channel in info["channels"]
+            }
