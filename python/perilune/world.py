@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -148,7 +149,7 @@ class World:
 
     def body_axes(self, name: str, vector: F64, when: int = 0) -> F64:
         """A vector of the root frame in the axes of a body or spacecraft."""
-        return rotations.rotate(rotations.conjugate(self.poses[name][when, 3:]), vector)
+        return rotations.rotate_back(self.poses[name][when, 3:], vector)
 
     def inside(self, point_m: F64, clearance_m: float = 0.0, when: int = 0) -> str | None:
         """Name of a body that contains a point or is nearer to it than about the clearance; else
@@ -214,16 +215,25 @@ class World:
         if name in self.shapes:
             shape = self.shapes[name]
             return 0.0 if shape.holds(own) else shape.hit_m(own, self.body_axes(name, direction))
-        p = own / radii
-        d = self.body_axes(name, direction) / radii
-        if float(p @ p) <= 1.0:
-            return 0.0
-        a, b = float(d @ d), float(p @ d)
-        nearest = p - d * (b / a)  # of the ray's line to the unit sphere's centre
-        inside = 1.0 - float(nearest @ nearest)
-        if b >= 0.0 or inside < 0.0:
-            return None
-        return float(-b / a - np.sqrt(inside / a))
+        towards = self.body_axes(name, direction) / radii
+        return _hit_sphere((own / radii).tolist(), towards.tolist())
+
+
+def _hit_sphere(p: list[float], d: list[float]) -> float | None:
+    """Distance along a ray to the unit sphere, in lengths of its direction d; 0 from inside, None
+    if it passes."""
+
+    def dot(x: list[float], y: list[float]) -> float:
+        return x[0] * y[0] + x[1] * y[1] + x[2] * y[2]
+
+    if dot(p, p) <= 1.0:
+        return 0.0
+    a, b = dot(d, d), dot(p, d)
+    nearest = [x - y * (b / a) for x, y in zip(p, d, strict=True)]  # of the line to the centre
+    inside = 1.0 - dot(nearest, nearest)
+    if b >= 0.0 or inside < 0.0:
+        return None
+    return -b / a - math.sqrt(inside / a)
 
 
 def _near_shape(shape: BodyShape, point: F64, clearance_m: float) -> bool:

@@ -146,9 +146,10 @@ def test_a_fork_while_another_thread_looks_up():
 
 
 def test_evaluating_again_allocates_nothing():
-    first = motion.evaluate(nodes(), EPOCH, TIMES)
+    kept = nodes()
+    first = motion.evaluate(kept, EPOCH, TIMES)
     before = _core.allocations()
-    again = motion.evaluate(nodes(), EPOCH, TIMES)
+    again = motion.evaluate(kept, EPOCH, TIMES)
     assert _core.allocations() == before
     assert np.array_equal(first.poses["sat"], again.poses["sat"])
     assert np.array_equal(first.velocities_m_s["sat"], again.velocities_m_s["sat"])

@@ -54,6 +54,16 @@ def angle_rad(a: F64, b: F64) -> float:
 def rotate(q: F64, v: F64) -> F64:
     """The vector v rotated by q."""
     w, x, y, z = q.tolist()
+    return _rotated(w, x, y, z, v)
+
+
+def rotate_back(q: F64, v: F64) -> F64:
+    """The vector v rotated by the inverse of q."""
+    w, x, y, z = q.tolist()
+    return _rotated(w, -x, -y, -z, v)
+
+
+def _rotated(w: float, x: float, y: float, z: float, v: F64) -> F64:
     a, b, c = v.tolist()
     tx, ty, tz = 2.0 * (y * c - z * b), 2.0 * (z * a - x * c), 2.0 * (x * b - y * a)
     return np.array(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from perilune.config.attitude import GroundPointing, Spin, TargetPointing
@@ -72,18 +72,32 @@ def _check_ground(config: Config, path: str, entry: Any) -> None:
     check_datum(config, f"{path}.orbit", orbit, orbit.around)
 
 
+def _but(names: Iterable[str], name: str) -> list[str]:
+    return [other for other in names if other != name]
+
+
+def check_steps(config: Config) -> None:
+    """Inside a validator: what counts by steps needs their length."""
+    if config.time.step_s != 0.0:
+        return
+    for name, (section, entry) in sections(config).items():
+        for key, given in _steps(entry):
+            if given:
+                fail(f"{section}.{name}.{key}", "counts by steps: it needs time.step_s")
+
+
 def check_motion(config: Config) -> None:
-    """Raises, inside a validator, an error that names the key."""
+    """Inside a validator: checks all names, and what orbits need of other entries. It reads no
+    numbers."""
     things = sections(config)
     for name, (section, entry) in things.items():
         path = f"{section}.{name}"
-        others = [other for other in things if other != name]
         if entry.orbit is not None:
             around = entry.orbit.around
             if around == name:
                 fail(f"{path}.orbit.around", f"a cycle: {name} is around itself: {name} -> {name}")
-            if around not in others:
-                text = f"no entry named '{around}'{nearest(around, others)}"
+            if around not in things:
+                text = f"no entry named '{around}'{nearest(around, _but(things, name))}"
                 fail(f"{path}.orbit.around", text)
             parent = config.spacecraft.get(around)
             if parent is not None and parent.gm_km3_s2 is None and _needs_gm(entry.orbit):
@@ -91,15 +105,13 @@ def check_motion(config: Config) -> None:
                 fail(f"{path}.orbit.around", text)
         _check_ground(config, path, entry)
         attitude = getattr(entry, "attitude", None)
-        if isinstance(attitude, TargetPointing) and attitude.target not in others:
+        if isinstance(attitude, TargetPointing):
             target = attitude.target
             if target == name:
                 fail(f"{path}.attitude.target", "it cannot point at itself")
-            text = f"no entry named '{target}'{nearest(target, others)}"
-            fail(f"{path}.attitude.target", text)
-        for key, given in _steps(entry):
-            if given and config.time.step_s == 0.0:
-                fail(f"{path}.{key}", "counts by steps: it needs time.step_s")
+            if target not in things:
+                text = f"no entry named '{target}'{nearest(target, _but(things, name))}"
+                fail(f"{path}.attitude.target", text)
     if config.bodies[config.root].orbit is not None:
         fail(f"bodies.{config.root}.orbit", "the root body is the origin and has no orbit")
     _check_cycles(things)

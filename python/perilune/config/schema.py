@@ -29,7 +29,7 @@ from perilune.config.errors import fail, nearest
 from perilune.config.faces import DEFAULT, Faces
 from perilune.config.labels import ClassPatterns, CraftClasses, Labels
 from perilune.config.materials import DriverSection, Material, MaterialDrivers, MaterialUse
-from perilune.config.motion import check_motion
+from perilune.config.motion import check_motion, check_steps
 from perilune.config.orbit import Orbit
 from perilune.config.parts import Parts
 from perilune.config.sensors import Sensor
@@ -47,6 +47,7 @@ from perilune.config.types import (
     StaticNonNegative,
     StaticVec3,
     Strict,
+    of_structure,
     refuse_drawn,
 )
 from perilune.config.volumes import Volume
@@ -521,6 +522,7 @@ class Config(Strict):
         return f"sensors.{name}.{key}" if own else f"camera.{key}"
 
     @model_validator(mode="after")
+    @of_structure
     def _names(self) -> Config:
         sections: dict[str, Iterable[str]] = {
             "bodies": self.bodies,
@@ -542,6 +544,7 @@ class Config(Strict):
         return self
 
     @model_validator(mode="after")
+    @of_structure
     def _levels(self) -> Config:
         stated: dict[str, Mapping[str, Any]] = {}
         stated |= {f"bodies.{name}.classes": row.classes for name, row in self.bodies.items()}
@@ -552,6 +555,7 @@ class Config(Strict):
         return self
 
     @model_validator(mode="after")
+    @of_structure
     def _references(self) -> Config:
         def known(path: str, name: str | None, allowed: list[str]) -> None:
             if name is not None and name not in allowed:
@@ -562,7 +566,12 @@ class Config(Strict):
         for place, volume in self.volumes.items():
             known(f"volumes.{place}.parent", volume.parent, [*bodies, *self.spacecraft])
         check_motion(self)
-        check_trajectory(self)
         for name, camera in self.cameras.items():
             camera.check_focus(self.place(name, "lens"))
+        return self
+
+    @model_validator(mode="after")
+    def _times(self) -> Config:
+        check_steps(self)
+        check_trajectory(self)
         return self

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal, Self, TypeVar
 
 from pydantic import (
     AfterValidator,
@@ -20,6 +20,15 @@ from pydantic import (
 from perilune.base.html import flat, folded, heading, table, whole
 from perilune.config.errors import fail, fail_unread, nearest
 from perilune.drivers import Drawn
+
+_C = TypeVar("_C")
+
+
+def of_structure(check: _C) -> _C:
+    """Marks a check after a section's keys that reads no numbers: only names, kinds, and which keys
+    are given. It need not run again when drivers change numbers."""
+    check.of_structure = True  # type: ignore[attr-defined]  # a function
+    return check
 
 
 def refuse_drawn(value: Any) -> Any:

@@ -200,8 +200,10 @@ class Document:
                 return config
         config = self._validate(values)
         if patch is None:
-            driven = [path for path in values if path not in chosen]
-            patch = Patch(config, substitute(self.tree, chosen), driven, self.path)
+            fixed = {} if self._recorded else self._plan.fixed
+            driven = [path for path in values if path not in chosen and path not in fixed]
+            tree = substitute(self.tree, {**fixed, **chosen})
+            patch = Patch(config, tree, driven, self.path)
             _keep(self._patches, _KEPT_PATCHES, key, patch)
         return config
 

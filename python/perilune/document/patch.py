@@ -3,8 +3,8 @@
 A configuration is a tree of frozen sections. With the same choices, that of another step differs in
 some keys alone. These keys are validated by the types of their fields, their sections are copied
 with the new values, and pydantic's checks after a section's keys (`mode="after"`) run on every
-copied section, up to the top. Errors and results are the same as if the whole tree were validated.
-A section with other validators is validated as a whole."""
+copied section, up to the top, except those of its structure alone. Errors and results are the same
+as if the whole tree were validated. A section with other validators is validated as a whole."""
 
 from __future__ import annotations
 
@@ -25,6 +25,7 @@ from pydantic import (
 )
 
 from perilune.config.schema import Config
+from perilune.config.types import of_structure
 from perilune.drivers import KeyPath, marked, substitute
 
 _FUNCTIONS = (AfterValidator, BeforeValidator, PlainValidator, WrapValidator)
@@ -44,10 +45,11 @@ def _adapter(section: type[BaseModel], name: str) -> TypeAdapter[Any]:
 
 @lru_cache(maxsize=1024)
 def _checks(section: type[BaseModel]) -> tuple[_Check, ...]:
-    """Checks that run after the keys of a section, in order."""
+    """Checks that run after the keys of a section, in order, except those that drivers cannot
+    fail."""
     found: list[_Check] = []
     for row in section.__pydantic_decorators__.model_validators.values():
-        if row.info.mode == "after":
+        if row.info.mode == "after" and not hasattr(row.func, of_structure.__name__):
             takes_info = len(inspect.signature(row.func).parameters) > 1
             function: Any = row.func
             found.append(function if takes_info else partial(_without_info, function))

@@ -4,7 +4,7 @@ clips."""
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar, Self
 
@@ -77,14 +77,13 @@ class Clipped:
 
     def draw(self, source: Source, strength: float) -> Any:
         """See Distribution."""
-        return self.at(strength, lambda: source.normals(len(self.middles), self.jointly))
-
-    def at(self, strength: float, normals: Callable[[], list[float]]) -> Any:
-        """Value for standard normals, which are requested only if something varies."""
-        deviations = self._deviations(strength)
-        if not deviations:
+        if not self._deviations(strength):
             return self.ideal
-        values = self.varied(deviations, normals())
+        return self.at(strength, source.normals(len(self.middles), self.jointly))
+
+    def at(self, strength: float, normals: list[float]) -> Any:
+        """Value for standard normals, at a strength at which something varies."""
+        values = self.varied(self._deviations(strength), normals)
         if self.count is None:
             return min(max(values[0], self.low[0]), self.high[0])
         return list(clip(values, self.low, self.high))

@@ -15,9 +15,10 @@ from difflib import get_close_matches
 from functools import cached_property
 from itertools import accumulate, pairwise
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from perilune import _core
 from perilune.base.random import stable_hash
@@ -125,6 +126,13 @@ class _Row:
     """Strength -> random numbers that a draw needs."""
     last: tuple[_Draw, Any] | None = None
     """The last draw. It is replaced as a whole, because threads draw for different steps."""
+
+    @cached_property
+    def varies(self) -> bool:
+        """Whether its draws may differ from the ideal."""
+        strengths = self.strength if isinstance(self.strength, tuple) else (self.strength,)
+        needs = map(self.driver.distribution.needs, strengths)
+        return isinstance(self.driver.distribution, Hooked) or any(needs)
 
     def at(self, step: int) -> tuple[float, int]:
         """Strength and number of the draw at a step."""
@@ -240,21 +248,38 @@ class Plan:
                     if max(shares, default=0.0) > PILED:
                         yield driver, name, max(shares)
 
+    @cached_property
+    def fixed(self) -> Mapping[KeyPath, Any]:
+        """Path -> value of the drivers that have the same at all steps."""
+        return {row.driver.path: row.driver.ideal for row in self._rows if not row.varies}
+
+    @cached_property
+    def _in_order(self) -> Mapping[KeyPath, Any]:
+        """`fixed`, with None for what is drawn, in the order of the drivers."""
+        return {row.driver.path: self.fixed.get(row.driver.path) for row in self._rows}
+
+    @cached_property
+    def _varying(self) -> list[_Row]:
+        return [row for row in self._rows if row.varies]
+
+    @cached_property
+    def _standards(self) -> _Standards:
+        return _Standards()
+
     def values(self, seed: int, step: int) -> dict[KeyPath, Any]:
         """Path -> value at a step."""
-        found: dict[KeyPath, Any] = {}
+        found = dict(self._in_order)
         new: list[tuple[_Row, _Draw]] = []
-        for row in self._rows:
+        for row in self._varying:
             draw = (seed, *row.at(step))
             last = row.last
             if last is not None and last[0] == draw:
                 found[row.driver.path] = last[1]
             else:
-                found[row.driver.path] = None  # its place in the order
                 new.append((row, draw))
         if not new:
             return found
-        for (row, draw), drawn in zip(new, _standard(seed, new), strict=True):
+        for (row, draw), drawn in zip(new, self._standards.draw(seed, new), strict=True):
             _, strength, epoch = draw
             source = Source(row.driver.name, seed, epoch * row.interval, epoch, drawn)
             value = row.drawn(source, strength)
@@ -263,16 +288,43 @@ class Plan:
         return found
 
 
-def _standard(seed: int, rows: Sequence[tuple[_Row, _Draw]]) -> list[list[float]]:
-    """Standard random numbers for all drivers, drawn in one call of the core."""
+class _Columns(NamedTuple):
+    """What the core is told of the random numbers of some drivers, apart from their counters."""
+
+    drivers: list[tuple[str, float]]
+    """Name and strength of each."""
+    keys: NDArray[np.uint64]
+    normal: NDArray[np.bool_]
+    counts: NDArray[np.int64]
+    spans: list[tuple[int, int]]
+    """Where the numbers of each begin and end."""
+
+
+class _Standards:
+    """Draws the standard random numbers of drivers in one call of the core."""
+
+    def __init__(self) -> None:
+        self._last: _Columns | None = None
+        """Those of the last draw: mostly the same drivers draw together."""
+
+    def draw(self, seed: int, rows: Sequence[tuple[_Row, _Draw]]) -> list[list[float]]:
+        """The numbers of each driver."""
+        drivers = [(row.driver.name, draw[1]) for row, draw in rows]
+        columns = self._last
+        if columns is None or columns.drivers != drivers:
+            columns = self._last = _columns(drivers, rows)
+        epochs = np.array([draw[2] for _, draw in rows], dtype=np.uint64)
+        numbers = _core.draws(seed, columns.keys, epochs, columns.normal, columns.counts).tolist()
+        return [numbers[begin:end] for begin, end in columns.spans]
+
+
+def _columns(drivers: list[tuple[str, float]], rows: Sequence[tuple[_Row, _Draw]]) -> _Columns:
     needs = [row.need(strength) for row, (_, strength, _) in rows]
     counts = [count for _, count in needs]
-    numbers = _core.draws(
-        seed,
+    return _Columns(
+        drivers,
         np.array([row.key for row, _ in rows], dtype=np.uint64),
-        np.array([epoch for _, (_, _, epoch) in rows], dtype=np.uint64),
         np.array([normal for normal, _ in needs], dtype=np.bool_),
         np.array(counts, dtype=np.int64),
-    ).tolist()
-    ends = list(accumulate(counts, initial=0))
-    return [numbers[begin:end] for begin, end in pairwise(ends)]
+        list(pairwise(accumulate(counts, initial=0))),
+    )

@@ -69,15 +69,13 @@ class Truncated:
 
     def draw(self, source: Source, strength: float) -> Any:
         """See the module."""
+        if self.needs(strength) is None:
+            return self.ideal
         if strength not in self.known:
             self.known[strength] = self.free.standard_limits(strength)
         limits = self.known[strength]
-
-        def normals() -> list[float]:
-            rows = zip(limits, source.uniforms(len(limits), self.free.jointly), strict=True)
-            return [truncated_normal(*limit, uniform) for limit, uniform in rows]
-
-        return self.free.at(strength, normals)
+        rows = zip(limits, source.uniforms(len(limits), self.free.jointly), strict=True)
+        return self.free.at(strength, [truncated_normal(*limit, row) for limit, row in rows])
 
 
 def parse(name: str, raw: Mapping[str, Any]) -> Clipped | Truncated:

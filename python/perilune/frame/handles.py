@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from perilune import _core, orbits
+from perilune import _core
+from perilune.base.same import Same
 from perilune.bodies import atmospheres, ground, maps, photometry, rings, shapes
 from perilune.config.body import Body
 from perilune.config.errors import ConfigError, origin
@@ -36,6 +37,7 @@ from perilune.frame.labels import (
 from perilune.frame.looks import Look, Looks
 from perilune.frame.pool import Pool
 from perilune.frame.remarks import Remarks
+from perilune.frame.stage_key import StageKey, air_key
 from perilune.frame.terrains import Terrains
 from perilune.frame.volumes import Volumes
 from perilune.orbits.ground import Ground
@@ -55,11 +57,6 @@ def _make_room(kept: dict[Any, Any]) -> None:
     """Removes the oldest entry if there are too many."""
     if len(kept) >= _STAGES:
         del kept[next(iter(kept))]
-
-
-def _air_key(body: Body) -> tuple[Any, ...]:
-    """All inputs of the tables of a body's atmosphere that may differ from frame to frame."""
-    return (body.atmosphere, body.atmosphere and tuple(orbits.radii_m(body)))
 
 
 @dataclass
@@ -178,7 +175,7 @@ class Assets:
         self.terrains = Terrains()
         self.airs: dict[tuple[Any, ...], _core.Air | None] = {}
         self.ring_systems: dict[Rings, _core.Rings] = {}
-        self.stages: dict[tuple[Any, ...], _Stage] = {}
+        self.stages: dict[StageKey, _Stage] = {}
 
 
 _NONE_SO_LARGE_PX = 1e30
@@ -205,6 +202,7 @@ class Handles:
         self.lock, self.pool, self.skies = self.assets.lock, self.assets.pool, self.assets.skies
         self.volumes = Volumes(document)
         self._built_from = _built_from(document.config)
+        self._stage_keys: Same[StageKey] = Same()
 
     @cached_property
     def models(self) -> Mapping[str, ObjectModel]:
@@ -402,7 +400,7 @@ class Handles:
     def _air(self, name: str, config: Config) -> _core.Air | None:
         """The atmosphere of a body; tables are computed once for each atmosphere and radii."""
         body = config.bodies[name]
-        key = _air_key(body)
+        key = air_key(body)
         if key not in self.assets.airs:
             _make_room(self.assets.airs)
             try:
@@ -455,24 +453,7 @@ class Handles:
         There is a scene for each combination of maps, shapes, reflectances, atmosphere and rings
         that choices give the bodies. Graphs are exchanged on the scene, which keeps its
         acceleration structures."""
-        key: tuple[Any, ...] = tuple(
-            (
-                body.color_map,
-                body.shape,
-                body.reflectance,
-                body.photometry.maps if body.photometry else (),
-                _air_key(body),
-                body.rings,
-                body.clouds.map if body.clouds else None,
-                body.is_geodetic,
-                body.has_geodetic_clouds,
-                ground.files(body),
-                body.terrain,
-                body.terrain and tuple(orbits.radii_m(body)),
-            )
-            for body in config.bodies.values()
-        )
-        key = (self._built_from, *key)
+        key = self._stage_keys.of((config.bodies,), lambda: StageKey(self._built_from, config))
         if key not in self.assets.stages:
             _make_room(self.assets.stages)
             self.assets.stages[key] = self._stage(config)

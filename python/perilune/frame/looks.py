@@ -74,7 +74,17 @@ class Looks:
         same = config.spacecraft is first.spacecraft and config.bodies is first.bodies
         if same and self._ideal is not None:
             return self._ideal
-        return self._last.of(_read(config), lambda: self._made(config))
+        return self._last.of(self._assigned(config), lambda: self._made(config))
+
+    def _assigned(self, config: Config) -> tuple[object, ...]:
+        """What decides which graphs are where."""
+        bodies = config.bodies.values()
+        return (
+            *(config.spacecraft[name].materials for name in self._models),
+            *(body.material for body in bodies),
+            *(body.material_mode for body in bodies),
+            config.materials if self._hooked else None,
+        )
 
     def parameters(self, config: Config) -> NDArray[np.float64]:
         """(n, 3): those of a frame's graphs, as the core's request takes them, read-only."""
@@ -164,7 +174,7 @@ class Looks:
 
 
 def _read(config: Config) -> tuple[object, ...]:
-    """The sections that decide which graphs are where, and their parameters."""
+    """The sections that decide the parameters of graphs."""
     things = (config.spacecraft, config.bodies, config.volumes)
     return (*things, config.materials, config.material_drivers)
 

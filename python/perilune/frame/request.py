@@ -204,6 +204,12 @@ def _component_counts(config: Config) -> dict[int, Callable[[], int]]:
     }
 
 
+@lru_cache(maxsize=1)
+def _channels() -> dict[str, tuple[int, np.dtype[Any]]]:
+    """Channel -> number of components and dtype."""
+    return {row["name"]: (row["components"], np.dtype(row["dtype"])) for row in _core.CHANNELS}
+
+
 def channel_layout(config: Config, name: str) -> tuple[tuple[int, ...], np.dtype[Any]]:
     """Shape and dtype of a channel's array."""
     if name == OBJECTS:
@@ -211,14 +217,13 @@ def channel_layout(config: Config, name: str) -> tuple[tuple[int, ...], np.dtype
     if name == MASKS:
         size = (config.camera.height, config.camera.width)
         return (len(config.spacecraft), *size), np.dtype(np.uint8)
-    channel = next(row for row in _core.CHANNELS if row["name"] == name)
-    count = channel["components"]
+    count, dtype = _channels()[name]
     if name == "raw" and bands.has_planes(config.camera):
         count = bands.count(config.camera)
     if count < 0:
         count = _component_counts(config)[count]()
     tail = () if count == 0 else (count,)
-    return (config.camera.height, config.camera.width, *tail), np.dtype(channel["dtype"])
+    return (config.camera.height, config.camera.width, *tail), dtype
 
 
 def arrays_of(

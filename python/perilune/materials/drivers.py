@@ -52,24 +52,38 @@ def _crawl(material: Material) -> list[Node]:
     return rows
 
 
-def sections(
-    config: Config, name: str, owner: str | None
-) -> Iterator[tuple[str, DriverSection | None]]:
-    """(key path, section) of all sections that may drive an entry of `materials`; the first takes
-    precedence.
+def _sections(config: Config, name: str, owner: str | None) -> list[DriverSection | None]:
+    """All sections that may drive an entry of `materials`; the first takes precedence.
 
     owner: the spacecraft, body or volume that it is on."""
     material = config.materials[name]
-    if owner is not None:
-        yield f"materials.{name}.instances.{owner}", material.instances.get(owner)
-    yield f"materials.{name}.drivers", material.drivers
-    if owner in config.spacecraft:
-        yield f"spacecraft.{owner}.material_drivers", config.spacecraft[owner].material_drivers
-    elif owner in config.volumes:
-        yield f"volumes.{owner}.material_drivers", config.volumes[owner].material_drivers
-    elif owner is not None:
-        yield f"bodies.{owner}.material_drivers", config.bodies[owner].material_drivers
-    yield "material_drivers", config.material_drivers
+    if owner is None:
+        return [material.drivers, config.material_drivers]
+    things = next(part for part in _owners(config).values() if owner in part)
+    own = material.instances.get(owner)
+    return [own, material.drivers, things[owner].material_drivers, config.material_drivers]
+
+
+def _owners(config: Config) -> dict[str, Mapping[str, Any]]:
+    """Section -> its entries, which may have graphs."""
+    return {"spacecraft": config.spacecraft, "bodies": config.bodies, "volumes": config.volumes}
+
+
+def sections(
+    config: Config, name: str, owner: str | None
+) -> Iterator[tuple[str, DriverSection | None]]:
+    """(key path, section) of all sections that may drive an entry of `materials`."""
+    return zip(_keys(config, name, owner), _sections(config, name, owner), strict=True)
+
+
+def _keys(config: Config, name: str, owner: str | None) -> list[str]:
+    """Key path of each of `_sections`."""
+    shared = [f"materials.{name}.drivers", "material_drivers"]
+    if owner is None:
+        return shared
+    kind = next(kind for kind, part in _owners(config).items() if owner in part)
+    of_owner = f"{kind}.{owner}.material_drivers"
+    return [f"materials.{name}.instances.{owner}", shared[0], of_owner, shared[1]]
 
 
 def driven(config: Config, name: str, owner: str | None) -> Iterator[tuple[Node, str, Any]]:
@@ -84,8 +98,8 @@ def driven(config: Config, name: str, owner: str | None) -> Iterator[tuple[Node,
 
 def given_by_drivers(config: Config, name: str, owner: str | None) -> dict[tuple[str, str], Any]:
     """(node, input) -> value, of the nodes of an entry of `materials` that drivers set."""
-    # As `driven`, which is slower: every frame asks for every graph.
-    rows = [row.drivers for _, row in sections(config, name, owner) if row is not None]
+    # As `driven`, without key paths: every frame asks for every graph.
+    rows = [row.drivers for row in _sections(config, name, owner) if row is not None]
     found: dict[tuple[str, str], Any] = {}
     for node in crawl(config.materials[name]) if rows else ():
         for values in rows:
@@ -136,11 +150,7 @@ def _entries(config: Config, users: Users) -> Iterator[tuple[str, str, list[str]
         yield from of(f"materials.{name}.drivers", material.drivers, [name])
         for owner, section in material.instances.items():
             yield from of(f"materials.{name}.instances.{owner}", section, [name])
-    for kind, things in (
-        ("spacecraft", config.spacecraft),
-        ("bodies", config.bodies),
-        ("volumes", config.volumes),
-    ):
+    for kind, things in _owners(config).items():
         for owner, row in things.items():
             key = f"{kind}.{owner}.material_drivers"
             yield from of(key, row.material_drivers, users.get(owner, []))

@@ -74,9 +74,15 @@ def values(
     graph: Graph, material: Material, given: Mapping[tuple[str, str], Any] | None = None
 ) -> F64:
     """(n, 3): parameters of a graph in the configuration of a frame."""
-    own, given = material.nodes, given or {}
-    rows = [_triple(given[at] if at in given else own[at[0]][at[1]]) for at in graph.parameters]
-    return np.array(rows, dtype=np.float64).reshape(-1, 3)
+    return np.array(triples(graph, material, given or {}), dtype=np.float64).reshape(-1, 3)
+
+
+def triples(
+    graph: Graph, material: Material, given: Mapping[tuple[str, str], Any]
+) -> list[tuple[float, float, float]]:
+    """The rows of `values`."""
+    own = material.nodes
+    return [_triple(given[at] if at in given else own[at[0]][at[1]]) for at in graph.parameters]
 
 
 def links(raw: Mapping[str, Any]) -> dict[str, tuple[str, str]]:

@@ -14,7 +14,7 @@ from perilune.config.errors import nearest
 from perilune.config.materials import MaterialUse
 from perilune.config.schema import Config
 from perilune.materials.drivers import given_by_drivers
-from perilune.materials.graph import F64, Graph, values
+from perilune.materials.graph import F64, Graph, triples
 from perilune.spacecraft.parts import Partition, components, inside_box
 
 
@@ -83,9 +83,9 @@ def _matches(pattern: str, name: str) -> bool:
 
 def parameters(placed: Iterable[tuple[str, Placed]], config: Config) -> F64:
     """(n, 3) for the core's request, in the order of `placed`, each with its object."""
-    rows = [
-        values(graph, config.materials[name], given_by_drivers(config, name, owner))
-        for owner, row in placed
-        for name, graph in zip(row.names, row.graphs, strict=True)
-    ]
-    return np.concatenate([np.empty((0, 3)), *rows])
+    rows: list[tuple[float, float, float]] = []
+    for owner, row in placed:
+        for name, graph in zip(row.names, row.graphs, strict=True):
+            given = given_by_drivers(config, name, owner)
+            rows += triples(graph, config.materials[name], given)
+    return np.array(rows, dtype=np.float64).reshape(-1, 3)

@@ -121,7 +121,7 @@ def _day(setting: Setting, parent: Parent) -> tuple[F64 | None, float]:
 
 def _angle_deg(q: F64, direction: F64) -> float:
     """Angle of a direction from the x axis of q, in its xy plane."""
-    x, y, _ = rotations.rotate(rotations.conjugate(q), direction).tolist()
+    x, y, _ = rotations.rotate_back(q, direction).tolist()
     return math.degrees(math.atan2(y, x))
 
 

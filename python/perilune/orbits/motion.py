@@ -102,7 +102,6 @@ class _Digests:
 _LARGE = 1024  # bytes, from which on a digest is worth its bookkeeping
 _digests = _Digests()
 _propagators: Kept[_core.Propagator] = Kept(512)
-_trees: Kept[_core.Tree] = Kept(32)
 
 
 def _key(value: Any) -> Hashable:
@@ -154,6 +153,17 @@ def _prepared(node: Node, epoch: Date, given: _Given) -> Node:
     return {**node, "motion": motion, "rotation": rotation}
 
 
+class _Tree:
+    """A tree of the core, and the functions that it asks for."""
+
+    def __init__(self, nodes: Sequence[Node], epoch: Date) -> None:
+        self.nodes = nodes
+        """Held, so that no other list can have its identity while this tree is kept."""
+        self.given = _Given([], [])
+        ready = [_prepared(node, epoch, self.given) for node in nodes]
+        self.core = _core.Tree(ready, epoch.day, epoch.fraction)
+
+
 def _answers(functions: Sequence[tuple[str, Path]], t_s: F64) -> F64 | None:
     """Results (n, slots, ...) of all functions; ValueError names the node."""
     answers = []
@@ -165,15 +175,16 @@ def _answers(functions: Sequence[tuple[str, Path]], t_s: F64) -> F64 | None:
     return np.stack(answers, axis=1) if answers else None
 
 
+_trees: Kept[_Tree] = Kept(32)
+
+
 def evaluate(nodes: Sequence[Node], epoch: Date, t_s: F64) -> States:
-    """States of all nodes at seconds t_s (n,) after the epoch.
+    """States of all nodes at seconds t_s (n,) after the epoch. The list must not change later.
 
     Errors of the core (ValueError) name the node."""
-    given = _Given([], [])
-    ready = [_prepared(node, epoch, given) for node in nodes]
-    tree = _trees.get((_key(ready), epoch), lambda: _core.Tree(ready, epoch.day, epoch.fraction))
-    states, axes = _answers(given.paths, t_s), _answers(given.axes, t_s)
-    poses, velocities = tree.states(t_s, given=states, given_q=axes)
+    made = _trees.get((id(nodes), epoch), lambda: _Tree(nodes, epoch))
+    states, axes = _answers(made.given.paths, t_s), _answers(made.given.axes, t_s)
+    poses, velocities = made.core.states(t_s, given=states, given_q=axes)
     names = [str(node["name"]) for node in nodes]
     return States(
         {name: poses[:, k] for k, name in enumerate(names)},

@@ -15,7 +15,6 @@ from perilune import _core
 from perilune.base.hooks import Hook
 from perilune.base.same import Same
 from perilune.config.body import Body
-from perilune.config.motion import sections
 from perilune.config.schema import Config
 from perilune.orbits.ground import Ground, smooth
 from perilune.orbits.motion import Kept
@@ -125,7 +124,7 @@ def gm_m3_s2(body: Body) -> float:
 
 def parent_of(setting: Setting, name: str) -> Parent:
     """The central body of orbits around `name`."""
-    _, entry = sections(setting.config)[name]
+    entry = setting.config.bodies.get(name) or setting.config.spacecraft[name]
     if isinstance(entry, Body):
         return Parent(name, table_name(entry), True, gm_m3_s2(entry), lambda: radii_m(entry))
     gm = None if entry.gm_km3_s2 is None else entry.gm_km3_s2 * 1e9

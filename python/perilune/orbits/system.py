@@ -222,7 +222,7 @@ def _check_over_ground(setting: Setting, found: States, t_s: F64, name: str, aro
     assert ground.bounds_m is not None  # it is of a terrain
     high = float(ground.radii_m.max()) + ground.bounds_m[1]
     for k, (pose, parent) in enumerate(zip(found.poses[name], found.poses[around], strict=True)):
-        own = rotations.rotate(rotations.conjugate(parent[3:]), pose[:3] - parent[:3])
+        own = rotations.rotate_back(parent[3:], pose[:3] - parent[:3])
         distance = float(np.linalg.norm(own))
         depth = -ground.height_m(own) if 0.0 < distance <= high else 0.0
         if depth > 0.0 or distance == 0.0:
@@ -250,10 +250,9 @@ def _check_above(setting: Setting, found: States, t_s: F64, names: list[str]) ->
         for k, pose in enumerate(found.poses[name]):
             parent = found.poses[around][k]
             from_center = pose[:3] - parent[:3]
-            p = rotations.rotate(rotations.conjugate(parent[3:]), from_center) / radii
-            size = float(np.linalg.norm(p))
+            size = rotations.norm(rotations.rotate_back(parent[3:], from_center) / radii)
             if size < 1.0 - 1e-9:
-                distance = float(np.linalg.norm(from_center))
+                distance = rotations.norm(from_center)
                 deep = distance * (1.0 / size - 1.0) / KM if size > 0.0 else radii.min() / KM
                 when = setting.epoch.after(float(t_s[k])).utc()
                 raise ValueError(

@@ -51,7 +51,7 @@ def spin_of(turn: Spin, step_s: float) -> tuple[F64, F64, float]:
             angle = math.radians(step)
         rate = angle / step_s
     if turn.rotation_mode == "global":
-        axis = rotations.rotate(rotations.conjugate(q), axis)
+        axis = rotations.rotate_back(q, axis)
     return q, axis, rate
 
 

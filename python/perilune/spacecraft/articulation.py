@@ -244,7 +244,7 @@ def _target(joint: Joint, scene: World, name: str) -> F64:
     place, turn = _middle(scene.poses[name])
     sun = joint.towards == "sun" and "sun" not in scene.poses
     target = scene.sun_position_m if sun else _middle(scene.poses[joint.towards])[0]
-    return rotations.rotate(rotations.conjugate(turn), target - place)
+    return rotations.rotate_back(turn, target - place)
 
 
 def in_object_frame(motions: F64, offset: F64, scale: float) -> list[F64]:

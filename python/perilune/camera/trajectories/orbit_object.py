@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NoReturn
 
 import numpy as np
@@ -33,17 +34,23 @@ class _Band:
     def solid_angle(self) -> float:
         return 2.0 * math.pi * (math.cos(self.low_rad) - math.cos(self.high_rad))
 
-    def sample(self, rng: np.random.Generator) -> F64:
-        """Uniform over the band; a band without width is a circle."""
-        u, v = rng.random(2)
-        low, high = math.cos(self.low_rad), math.cos(self.high_rad)
-        z = low + (high - low) * u
-        radius, angle = math.sqrt(max(0.0, 1.0 - z * z)), 2.0 * math.pi * v
+    @cached_property
+    def _basis(self) -> tuple[list[float], list[float], list[float]]:
+        """Three unit axes, of which the last is the band's."""
         x_axis = rotations.cross(self.axis, np.eye(3)[int(np.argmin(np.abs(self.axis)))])
         x_axis /= rotations.norm(x_axis)
         y_axis = rotations.cross(self.axis, x_axis)
-        sides = math.cos(angle) * x_axis + math.sin(angle) * y_axis
-        return np.asarray(radius * sides + z * self.axis)
+        return x_axis.tolist(), y_axis.tolist(), self.axis.tolist()
+
+    def sample(self, rng: np.random.Generator) -> F64:
+        """Uniform over the band; a band without width is a circle."""
+        u, v = rng.random(2).tolist()
+        low, high = math.cos(self.low_rad), math.cos(self.high_rad)
+        z = low + (high - low) * u
+        radius, angle = math.sqrt(max(0.0, 1.0 - z * z)), 2.0 * math.pi * v
+        cosine, sine = math.cos(angle), math.sin(angle)
+        rows = zip(*self._basis, strict=True)
+        return np.array([radius * (cosine * x + sine * y) + z * axis for x, y, axis in rows])
 
     def holds(self, direction: F64) -> bool:
         angle = rotations.angle_rad(self.axis, direction)

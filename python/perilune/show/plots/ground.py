@@ -87,7 +87,7 @@ def sub_point_deg(world: World, name: str, body: str, t_s: float) -> tuple[float
     latitude of the body's maps."""
     poses = world.system.states(np.array([t_s])).poses
     from_center = poses[name][0, :3] - poses[body][0, :3]
-    x, y, z = rotations.rotate(rotations.conjugate(poses[body][0, 3:]), from_center).tolist()
+    x, y, z = rotations.rotate_back(poses[body][0, 3:], from_center).tolist()
     lat = math.atan2(z, math.hypot(x, y))
     if world.config.bodies[body].is_geodetic:
         lat = _geodetic_rad(math.hypot(x, y), z, world.body_radii_m[body])
