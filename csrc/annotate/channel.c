@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "annotate/ground_channels.h"
+#include "annotate/surface_channels.h"
 #include "base/wide.h"
 #include "math/angle.h"
 
@@ -123,6 +124,12 @@ static void write_shadow(const pl_label_run *run, void *pixels) {
     out[i] = run->points[i].in_shadow;
 }
 
+static void write_shadow_cause(const pl_label_run *run, void *pixels) {
+  uint8_t *out = pixels;
+  for (size_t i = 0; i < run->count; i++)
+    out[i] = run->points[i].shadow_cause;
+}
+
 const pl_channel pl_channels[] = {
     {"depth", "float32", 4, 0, "m", "z along the optical axis; 0 where nothing is hit",
      PL_BLANK_ZERO, write_depth},
@@ -158,6 +165,16 @@ const pl_channel pl_channels[] = {
      "1 where the surface does not see the sun's centre: it faces away, or something is between; 0 "
      "where it does, and where nothing is hit",
      PL_BLANK_ZERO, write_shadow},
+    {"shadow_cause", "uint8", 1, 0, "id",
+     "why shadow is 1, by what the sun's light meets first: 1 the surface itself, which faces away "
+     "or hides the sun from itself, 2 another spacecraft, 3 a body without terrain, 4 terrain or "
+     "its rocks; 0 where shadow is 0",
+     PL_BLANK_ZERO, write_shadow_cause},
+    {"albedo", "float32", 4, 3, "1",
+     "base colour of the surface as materials and maps state it, over the pixel's footprint, "
+     "linear: of matt surfaces their albedo, of metals their colour, of Hapke's law the "
+     "single-scattering albedo; 0 where nothing is hit",
+     PL_BLANK_ZERO, pl_write_albedo},
     {"elevation", "float32", 4, 0, "m",
      "height of the ground over the body's ellipsoid, along the radius; nan off the ground",
      PL_BLANK_NAN, pl_write_elevation},
@@ -295,7 +312,16 @@ static bool asks_for(void (*write)(const pl_label_run *, void *), void *const *i
   return false;
 }
 
-bool pl_channels_need_shadows(void *const *images) { return asks_for(write_shadow, images); }
+unsigned pl_channels_need(void *const *images) {
+  unsigned needs = 0;
+  if (asks_for(write_shadow, images))
+    needs |= PL_POINTS_SHADOWS;
+  if (asks_for(write_shadow_cause, images))
+    needs |= PL_POINTS_SHADOWS | PL_POINTS_SHADOW_CAUSES;
+  if (asks_for(pl_write_albedo, images))
+    needs |= PL_POINTS_ALBEDO;
+  return needs;
+}
 
 void pl_channels_write(const pl_snapshot *shot, const pl_vertex *points, size_t count, size_t first,
                        void *const *images) {

@@ -51,8 +51,13 @@ extern const size_t pl_channel_count;
  * levels, or of baselines. */
 size_t pl_channel_elements(const pl_channel *channel, int many);
 
-/* Whether a requested channel needs in_shadow of the points, see render/shadow_mask.h. */
-bool pl_channels_need_shadows(void *const *images);
+/* What requested channels need of the points beyond where they are: a sum of these. */
+enum {
+  PL_POINTS_SHADOWS = 1,       /* in_shadow, see render/shadow_mask.h */
+  PL_POINTS_SHADOW_CAUSES = 2, /* shadow_cause, too */
+  PL_POINTS_ALBEDO = 4         /* what surfaces are made of */
+};
+unsigned pl_channels_need(void *const *images);
 
 /* Writes `count` pixels of a row to every requested channel. `images` is indexed as pl_channels;
  * NULL where a channel is not requested. `first` is the row-major index of the first pixel. */

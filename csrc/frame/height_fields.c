@@ -63,7 +63,7 @@ static pl_status place(pl_accelerators *kept, const pl_snapshot *shot, const pl_
   }
   pl_ground_tile_view view = view_of(shot, body);
   view.far_casters = choice->far_casters;
-  view.rays = choice->colour && choice->settings.detail.rays;
+  view.rays = choice->albedo || (choice->colour && choice->settings.detail.rays);
   return pl_height_field_build(kept, body->body->terrain, &view, choice->threads, choice->cancel,
                                arena, &body->field);
 }

@@ -13,6 +13,7 @@ static pl_render_settings settings_of(const pl_frame_request *request,
                                       const pl_frame_result *result) {
   const pl_plan *plan = &result->plan;
   const int samples = pl_plan_value(plan, &pl_effect_antialiasing);
+  const unsigned needs = pl_channels_need(request->channels);
   /* All samples in every pixel: if the effect is forced on by name, or at a tolerance of 0. */
   const bool exact = request->wish.tolerance_dn == 0.0;
   const bool all_samples =
@@ -33,7 +34,8 @@ static pl_render_settings settings_of(const pl_frame_request *request,
                      .lights = pl_plan_value(plan, &pl_effect_night_lights) > 0,
                      .rays = pl_plan_value(plan, &pl_effect_crater_rays) > 0,
                      .filter = (pl_filter)pl_plan_value(plan, &pl_effect_texture_filter)},
-      .shadow_mask = pl_channels_need_shadows(request->channels),
+      .shadow_mask = needs & PL_POINTS_SHADOWS,
+      .shadow_cause = needs & PL_POINTS_SHADOW_CAUSES,
       .exact = exact,
       .lods_down = PL_VIEW_LODS - 1 - pl_plan_value(plan, &pl_effect_regolith),
       .noise_dn = all_samples ? 0.0f : (float)request->wish.tolerance_dn,
@@ -62,6 +64,7 @@ pl_choice pl_choice_of_plan(const pl_frame_request *request, const pl_frame_resu
       .depth_of_field = pl_plan_value(plan, &pl_effect_depth_of_field) > 0,
       .terrain = pl_plan_value(plan, &pl_effect_terrain) > 0,
       .far_casters = pl_plan_value(plan, &pl_effect_far_casters) > 0,
+      .albedo = (pl_channels_need(request->channels) & PL_POINTS_ALBEDO) != 0,
       .colour = true,
       .subpixel = true,
       .emitters = pl_plan_value(plan, &pl_effect_emitters),

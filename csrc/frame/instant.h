@@ -15,6 +15,7 @@ typedef struct pl_choice {
   pl_cancel *cancel; /* borrowed; may be NULL */
   bool distortion, depth_of_field;
   bool terrain, far_casters;
+  bool albedo;   /* labels show the ground's albedo */
   bool colour;   /* false: labels only, and the fields below are ignored */
   bool subpixel; /* render sub-pixel bodies in images of their own, see subpixel_bodies.h */
   int emitters, air_steps, media[PL_MEDIUM_KINDS_MAX]; /* values of the rows of these effects */

@@ -190,7 +190,7 @@ static pl_status render_dot(const pl_instant *instant, size_t body, pl_render_sc
     settings.media = &own;
   }
   settings.see_subpixel = true;
-  settings.shadow_mask = false;
+  settings.shadow_mask = settings.shadow_cause = false;
   settings.row0 = settings.row1 = 0;
   settings.slice = NULL;
   PL_TRY(pl_render(&close, instant->tracer, &settings, scratch, gather_tile, g, cancel));

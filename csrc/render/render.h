@@ -47,6 +47,7 @@ typedef struct pl_render_settings {
   bool emitters_on_bodies;     /* emitters light bodies too, not only meshes */
   const pl_backdrop *backdrop; /* borrowed; radiance behind everything; NULL: black */
   bool shadow_mask;            /* points say whether they are in shadow */
+  bool shadow_cause;           /* and of what, with shadow_mask */
   bool see_subpixel;           /* sub-pixel bodies are shaded like others, not black */
   /* pixels with less noise than this get no more samples, see adaptive_sampling.c, and noisy ones
    * more than `samples`; 0: all get `samples` */
@@ -66,7 +67,7 @@ typedef struct pl_tile_result {
   pl_tile tile;
   bool empty; /* nothing was or could be hit; no point has a surface */
   /* hits of the rays through the pixels' centres; of `surface` only the frame and ng are set;
-   * in_shadow only where there is a surface, and if settings ask for it */
+   * in_shadow and shadow_cause only where there is a surface, and if settings ask for it */
   const pl_vertex *points;
   const pl_vec3f *radiance; /* W m-2 sr-1; zero if samples is 0 */
 } pl_tile_result;

@@ -24,6 +24,7 @@ typedef struct pl_vertex {
   pl_surface_id surface_id;
   uint32_t triangle;
   bool in_shadow;        /* set only by pl_shadow_mask */
+  uint8_t shadow_cause;  /* a pl_shadow_cause; likewise, and only if settings ask for it */
   float w[3];            /* barycentric weights */
   pl_vec3f edge1, edge2; /* of a mesh's triangle: corner 1 - corner 0, corner 2 - corner 0, m */
   pl_vec3f ng;           /* outward geometric normal (by the file's winding), unit */

@@ -21,10 +21,13 @@ HAZARDS = {0: "safe", 1: "slope", 2: "roughness", 4: "rocks", 128: "unknown"}
 """Bits of the channel `hazard`, which are summed."""
 SHADOWS = {0: "sunlit or sky", 1: "shadow"}
 """Values of the channel `shadow`."""
+SHADOW_CAUSES = {0: "sunlit or sky", 1: "itself", 2: "object", 3: "body", 4: "terrain"}
+"""Values of the channel `shadow_cause`."""
 _OCCLUSION = {0: "seen there", 1: "not seen there"}
 VALUES: Mapping[str, Mapping[int, str]] = {
     "hazard": HAZARDS,
     "shadow": SHADOWS,
+    "shadow_cause": SHADOW_CAUSES,
     "flow_occlusion": _OCCLUSION,
     "flow_occlusion_backward": _OCCLUSION,
 }

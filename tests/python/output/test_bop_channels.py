@@ -54,6 +54,7 @@ def test_every_channel_of_the_core_is_on_disk_as_it_is(dataset, sim):
         "instance",
         "hazard",
         "shadow",
+        "shadow_cause",
         "flow_occlusion",
         "flow_occlusion_backward",
     }

@@ -229,6 +229,7 @@ KINDS: dict[str, Kind] = {
     "sensor_rgb": image_panel,
     "normal": normal_panel,
     "geometric_normal": normal_panel,
+    "albedo": radiance_panel,
     "flow": flow_panel,
     "semantic": levels_panel,
     "slope_baseline": layers_panel,
