@@ -22,6 +22,7 @@ from .stops import Canned, run_until, tree_bytes
 FRAMES = range(3)
 CHUNK = 2
 CHANNELS = ["rgb", "depth", "semantic", "part", "instance", "objects", "masks", "normal"]
+CHANNELS += ["flow", "flow_occlusion"]
 STOPS = int(os.environ.get("PERILUNE_FORMAT_STOPS", "3"))
 """Number of stops of each format at random operations; script/soak takes 20."""
 

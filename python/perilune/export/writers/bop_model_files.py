@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -17,7 +17,7 @@ from perilune.export.writers.bop_models import (
     model_info,
     ply_bytes,
 )
-from perilune.export.writers.files import json_by_id, load_object, write_bytes, write_text
+from perilune.export.writers.files import json_by_id, load_object, write_bytes
 from perilune.export.writers.whole import is_whole
 
 Models = Mapping[int, BopModel]
@@ -86,10 +86,21 @@ def complete_models(root: Path, models: Models) -> None:
     for wanted in _folders(models):
         if _is_there(root, wanted):
             continue
-        folder = root / wanted.name
-        folder.mkdir(parents=True, exist_ok=True)
-        rows = wanted.make()
-        for number, model in sorted(rows.items()):
-            write_bytes(_ply(folder, number), ply_bytes(model))
-        infos = {k: {**model_info(row), **wanted.extra.get(k, {})} for k, row in rows.items()}
-        write_text(folder / MODELS_INFO, json_by_id(infos))
+        (root / wanted.name).mkdir(parents=True, exist_ok=True)
+        for name, parts in _files(wanted):
+            write_bytes(root / name, parts)
+
+
+def _files(wanted: _Folder) -> Iterator[tuple[str, Iterable[bytes]]]:
+    """Path and content of the files of a folder, the list of its models last."""
+    rows = wanted.make()
+    for number, model in sorted(rows.items()):
+        yield _ply(Path(wanted.name), number).as_posix(), ply_bytes(model)
+    infos = {k: {**model_info(row), **wanted.extra.get(k, {})} for k, row in rows.items()}
+    yield f"{wanted.name}/{MODELS_INFO}", [json_by_id(infos).encode("utf-8")]
+
+
+def model_files(models: Models) -> dict[str, bytes]:
+    """Path -> content of all files of models."""
+    folders = [_files(wanted) for wanted in _folders(models)]
+    return {name: b"".join(parts) for files in folders for name, parts in files}

@@ -121,7 +121,9 @@ class _Frames:
         found = self._sim.ground_tables(sample) if self._tables else {}
         tables = {table: found[table] for table in self._tables}
         if self._pairs:
-            self._kept = self._frame(index + 1)
+            follows = self._sim.timeline.beside(index, 1)
+            # The last frame of a scene has no flow, and stands beside itself.
+            self._kept = sample if follows is None else self._frame(follows)
             tables[NEXT] = self._kept[main_picture(self._sim)]
         return sample, tables
 

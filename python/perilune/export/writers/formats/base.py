@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from perilune.document.references import OBJECTS
 from perilune.export.writers.formats.channels import Channel
+from perilune.sample import Sample
 from perilune.simulation import Simulation
 
 Array = NDArray[Any]
@@ -32,6 +33,7 @@ class Frame:
     """Channel, or table, -> array."""
     record: Record
     """Without `files` and `labels`."""
+    sample: Sample
     next_picture: Array | None = None
     """The main picture of the next frame, for formats that ask for it."""
 
@@ -82,8 +84,13 @@ class Format:
         """Whether it can hold a channel. Rows of `objects` are in every frame's record."""
         raise NotImplementedError
 
+    def describe(self, sim: Simulation) -> dict[str, Any]:
+        """Keys of dataset_info.json of its own. ConfigError for a simulation that the format
+        cannot hold."""
+        return {}
+
     def begin(self, sim: Simulation, info: Info) -> Files:
-        """Files beside the frames. ConfigError for a simulation that the format cannot hold."""
+        """Files beside the frames."""
         return {}
 
     def encode(self, info: Info, frame: Frame) -> Encoded:

@@ -173,7 +173,7 @@ def frame_of(info: Mapping[str, Any], sample: Sample, tables: Tables, record: Re
             arrays[name] = sample.objects
         else:
             arrays[name] = tables[name] if name in tables else sample[name]
-    return Frame(record["index"], arrays, record, tables.get(NEXT))
+    return Frame(record["index"], arrays, record, sample, tables.get(NEXT))
 
 
 def finish_folder(fmt: Format, root: Path) -> int:

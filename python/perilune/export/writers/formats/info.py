@@ -63,6 +63,7 @@ def folder_info(fmt: Format, sim: Simulation, chunk_size: int, split: str) -> di
         "channels": {name: channel.entry() for name, channel in channels.items()},
         **({"labels": names} if names else {}),
         "taxonomy": _taxonomy(sim),
+        **fmt.describe(sim),
     }
 
 

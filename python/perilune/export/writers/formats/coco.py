@@ -1,0 +1,250 @@
+"""COCO: detection, instance segmentation, panoptic, parts, and keypoints where a frame has them."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from typing import Any
+
+import numpy as np
+
+from perilune.document.references import MASKS
+from perilune.export.writers.bop_labels import DATE
+from perilune.export.writers.formats.base import (
+    Array,
+    Encoded,
+    Format,
+    Frame,
+    Info,
+    Record,
+)
+from perilune.export.writers.formats.channels import COLOR, Channel
+from perilune.export.writers.formats.keypoints import KEYPOINTS, keypoint_names, keypoints_of
+from perilune.export.writers.formats.pixels import from_png, png
+from perilune.export.writers.formats.segments import Segment, segments
+
+_MOST = 100_000
+"""Ids of annotations: the frame's index times this, and its number in the frame."""
+
+
+def _annotation(index: int, number: int, category: int, segment: Segment) -> dict[str, Any]:
+    return {
+        "id": index * _MOST + number,
+        "image_id": index,
+        "category_id": category,
+        "area": segment.area,
+        "bbox": list(segment.box),
+        "iscrowd": 0,
+        "segmentation": segment.rle(),
+    }
+
+
+def crafts(info: Info) -> list[Mapping[str, Any]]:
+    """Rows of the taxonomy of spacecraft, which are the objects of detectors."""
+    return [row for row in info["taxonomy"]["instances"] if row["kind"] == "spacecraft"]
+
+
+def categories(rows: Iterable[Mapping[str, Any]], supercategory: str) -> list[dict[str, Any]]:
+    """COCO's categories of rows with a class, each once, by id."""
+    named = {row["class_id"]: row["class"] for row in rows}
+    return [
+        {"id": number, "name": named[number], "supercategory": supercategory}
+        for number in sorted(named)
+    ]
+
+
+def panoptic_rgb(ids: Array) -> Array:
+    """Ids as panopticapi reads them: id = R + 256 G + 65536 B."""
+    return np.stack([(ids >> shift) & 255 for shift in (0, 8, 16)], axis=2).astype(np.uint8)
+
+
+class Coco(Format):
+    """Annotations of the visible pixels of every spacecraft."""
+
+    name = "coco"
+    doc = "COCO: detection, instance and panoptic segmentation, parts, keypoints"
+    layout = (
+        "`SPLIT/NNNNNN.png`, `panoptic_SPLIT/NNNNNN.png`, and in `annotations/` "
+        "`instances_SPLIT.json` (boxes, RLE and keypoints of spacecraft; boxes are of visible "
+        "pixels, `bbox_amodal` of whole silhouettes), `panoptic_SPLIT.json` (spacecraft and "
+        "bodies), `parts_SPLIT.json` (with `part`); categories are the classes of the level "
+        "`object`, of parts those of the level `part`"
+    )
+    reader = "pycocotools, panopticapi, Detectron2, MMDetection, torchvision"
+    needs = ("picture", "instance", "objects")
+
+    def holds(self, channel: Channel) -> bool:
+        """Pictures, and what annotations tell."""
+        return channel.name in (*COLOR, "instance", "part", MASKS, KEYPOINTS)
+
+    def encode(self, info: Info, frame: Frame) -> Encoded:
+        """The picture and its panoptic ids; annotations for `finish`."""
+        split, found = info["split"], segments(frame.arrays["instance"])
+        files = {
+            f"{split}/{frame.key}.png": png(frame.arrays[info["picture"]]),
+            f"panoptic_{split}/{frame.key}.png": png(panoptic_rgb(frame.arrays["instance"])),
+        }
+        labels = {
+            "instances": self._instances(info, frame, found),
+            "panoptic": self._panoptic(info, found),
+        }
+        if "part" in frame.arrays:
+            labels["parts"] = self._parts(info, frame)
+        return Encoded(files, labels)
+
+    def _instances(self, info: Info, frame: Frame, found: Mapping[int, Segment]) -> list[Any]:
+        classes = {row["name"]: row["class_id"] for row in crafts(info)}
+        points = keypoints_of(frame)
+        rows = []
+        for number, row in enumerate(frame.record["objects"], start=1):
+            segment = found.get(row["instance_id"])
+            if segment is None:
+                continue
+            entry = _annotation(frame.index, number, classes[row["name"]], segment)
+            x, y, w, h = row["bbox_obj"]
+            entry |= {
+                "object": row["name"],
+                "instance_id": row["instance_id"],
+                "visib_fract": row["visib_fract"],
+                "bbox_amodal": [x, y, w + 1, h + 1],  # rows count from first to last pixel
+                "R_m2c": row["R_m2c"],
+                "t_m2c": row["t_m2c"],
+            }
+            if row["name"] in points:
+                entry |= points[row["name"]].coco()
+            rows.append(entry)
+        return rows
+
+    def _panoptic(self, info: Info, found: Mapping[int, Segment]) -> list[Any]:
+        classes = {row["id"]: row["class_id"] for row in info["taxonomy"]["instances"]}
+        return [
+            {
+                "id": number,
+                "category_id": classes[number],
+                "area": segment.area,
+                "bbox": list(segment.box),
+                "iscrowd": 0,
+            }
+            for number, segment in found.items()
+        ]
+
+    def _parts(self, info: Info, frame: Frame) -> list[Any]:
+        owners = {row["name"]: row["id"] for row in crafts(info)}
+        known = {row["id"]: row for row in info["taxonomy"]["parts"] if row["owner"] in owners}
+        rows = []
+        for number, segment in segments(frame.arrays["part"]).items():
+            if number in known:
+                part = known[number]
+                entry = _annotation(frame.index, number, part["class_id"], segment)
+                entry |= {
+                    "part": part["name"],
+                    "object": part["owner"],
+                    "instance_id": owners[part["owner"]],
+                }
+                rows.append(entry)
+        return rows
+
+    def finish(
+        self, info: Info, records: Callable[[], Iterator[Record]]
+    ) -> Iterator[tuple[str, Iterable[bytes]]]:
+        """The files of annotations, written as they are read: there may be many frames."""
+        split, taxonomy = info["split"], info["taxonomy"]
+        objects = categories(crafts(info), "spacecraft")
+        names = keypoint_names(info)
+        if names:
+            for row in objects:
+                row |= {"keypoints": names, "skeleton": []}
+        yield (
+            f"annotations/instances_{split}.json",
+            _text(info, records, "instances", objects, _flat),
+        )
+        kinds = ("spacecraft", "body")
+        every = [
+            {**row, "isthing": 1}
+            for kind in kinds
+            for row in categories([r for r in taxonomy["instances"] if r["kind"] == kind], kind)
+        ]
+        unique = {row["id"]: row for row in reversed(every)}
+        panoptic = [unique[number] for number in sorted(unique)]
+        yield (
+            f"annotations/panoptic_{split}.json",
+            _text(info, records, "panoptic", panoptic, _by_image),
+        )
+        if "part" in info["channels"]:
+            owners = {row["name"] for row in crafts(info)}
+            parts = [row for row in taxonomy["parts"] if row["owner"] in owners]
+            yield (
+                f"annotations/parts_{split}.json",
+                _text(info, records, "parts", categories(parts, "part"), _flat),
+            )
+
+    def decode(self, info: Info, record: Record, read: Callable[[str], bytes]) -> dict[str, Array]:
+        """The picture and the instances."""
+        split, key = info["split"], f"{record['index']:06d}"
+        ids = from_png(read(f"panoptic_{split}/{key}.png")).astype(np.int32)
+        return {
+            info["picture"]: from_png(read(f"{split}/{key}.png")),
+            "instance": ids[:, :, 0] | ids[:, :, 1] << 8 | ids[:, :, 2] << 16,
+        }
+
+
+def _flat(record: Record, name: str) -> list[Any]:
+    rows: list[Any] = record["labels"][name]
+    return rows
+
+
+def _by_image(record: Record, name: str) -> list[Any]:
+    file = f"{record['index']:06d}.png"
+    rows = record["labels"][name]
+    return [{"image_id": record["index"], "file_name": file, "segments_info": rows}]
+
+
+def _image(info: Info, record: Record) -> dict[str, Any]:
+    camera, meta = record["camera"], record["meta"]
+    return {
+        "id": record["index"],
+        "file_name": f"{record['index']:06d}.png",
+        "width": camera["width"],
+        "height": camera["height"],
+        "date_captured": DATE,
+        "license": 1,
+        "camera": camera,
+        "sun": meta["sun"],
+        "time_utc": meta["time_utc"],
+    }
+
+
+def _text(
+    info: Info,
+    records: Callable[[], Iterator[Record]],
+    name: str,
+    categories: list[dict[str, Any]],
+    rows: Callable[[Record, str], list[Any]],
+) -> Iterator[bytes]:
+    """A COCO file, a piece at a time. name: of the labels in records."""
+    head = {
+        "info": {
+            "contributor": "",
+            "date_created": DATE,
+            "description": f"{info['dataset_name']}_{info['split']}: {info['description']}",
+            "url": "",
+            "version": "1.0",
+            "year": int(DATE[:4]),
+        },
+        "licenses": [{"id": 1, "name": "", "url": ""}],
+        "categories": categories,
+    }
+    for key, value in head.items():
+        yield f'{"{" if key == "info" else ","}\n"{key}": {json.dumps(value)}'.encode()
+    for key, of in (
+        ("images", lambda record: [_image(info, record)]),
+        ("annotations", lambda record: rows(record, name)),
+    ):
+        yield f',\n"{key}": ['.encode()
+        comma = "\n"
+        for record in records():
+            for row in of(record):
+                yield f"{comma}{json.dumps(row, sort_keys=True)}".encode()
+                comma = ",\n"
+        yield b"\n]"
+    yield b"\n}\n"

@@ -1,0 +1,141 @@
+"""HDF5: a file for the frames of a chunk, a group a frame, a compressed data set a channel."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from perilune.config.errors import ConfigError
+from perilune.export.writers.formats.base import (
+    Array,
+    Encoded,
+    Format,
+    Frame,
+    Info,
+    PackReader,
+    Record,
+)
+from perilune.export.writers.formats.channels import Channel
+from perilune.export.writers.formats.pixels import from_npy, npy
+from perilune.simulation import Simulation
+
+_LEVEL = 4
+_RECORD = "record"
+
+
+def _bytes_of_texts(array: Array) -> Array:
+    """A table whose texts are UTF-8 bytes: HDF5 has no others of a fixed length."""
+    if array.dtype.names is None:
+        return array
+    rows = np.asarray(array)
+    columns = {
+        name: np.char.encode(rows[name], "utf-8") if rows.dtype[name].kind == "U" else rows[name]
+        for name in array.dtype.names
+    }
+    dtype = np.dtype(
+        [
+            (name, column.dtype, rows.dtype[name].shape)
+            if rows.dtype[name].kind != "U"
+            else (name, column.dtype.str if rows.size else "S1")
+            for name, column in columns.items()
+        ]
+    )
+    table = np.empty(rows.shape, dtype=dtype)
+    for name, column in columns.items():
+        table[name] = column
+    return table
+
+
+class Hdf5(Format):
+    """Arrays for random access."""
+
+    name = "hdf5"
+    doc = "HDF5: a file for --chunk-size frames, every channel as it is (needs perilune[hdf5])"
+    layout = (
+        "`frames-CCCCCC.h5`: a group `NNNNNN` a frame with a data set a channel, and `record`, "
+        "the frame's record as JSON in UTF-8; texts in tables are UTF-8"
+    )
+    reader = "h5py, and all that reads HDF5"
+    pack_name = "frames-{chunk:06d}.h5"
+
+    def holds(self, channel: Channel) -> bool:
+        """Everything."""
+        return True
+
+    def describe(self, sim: Simulation) -> dict[str, Any]:
+        """Nothing, if there is h5py."""
+        try:
+            import h5py  # noqa: F401
+        except ImportError:
+            text = "format 'hdf5': needs h5py: pip install 'perilune[hdf5]'"
+            raise ConfigError(text) from None
+        return {}
+
+    def encode(self, info: Info, frame: Frame) -> Encoded:
+        """NPY files, of which `pack` makes data sets."""
+        files = {
+            f"{frame.key}/{name}.npy": npy(_bytes_of_texts(array))
+            for name, array in frame.arrays.items()
+        }
+        text = json.dumps(frame.record, sort_keys=True)
+        return Encoded({**files, f"{frame.key}/{_RECORD}.json": text.encode("utf-8")})
+
+    def decode(self, info: Info, record: Record, read: Callable[[str], bytes]) -> dict[str, Array]:
+        """All channels."""
+        names = [name for name in record["files"] if name.endswith(".npy")]
+        return {Path(name).stem: from_npy(read(name)) for name in names}
+
+    def pack(self, info: Info, path: Path, members: Iterable[tuple[str, bytes]]) -> None:
+        """Writes the file: without dates, so that the same members give the same bytes."""
+        import h5py
+
+        with h5py.File(path, "w", libver=("v110", "v110")) as file:
+            for name, data in members:
+                key, _, leaf = name.partition("/")
+                group = file.require_group(key)
+                if name.endswith(".json"):
+                    group.create_dataset(
+                        _RECORD, data=np.frombuffer(data, np.uint8), track_times=False
+                    )
+                    continue
+                array = from_npy(data)
+                packed = {"compression": "gzip", "compression_opts": _LEVEL, "shuffle": True}
+                group.create_dataset(
+                    Path(leaf).stem,
+                    data=array,
+                    track_times=False,
+                    **(packed if array.size else {}),
+                )
+
+    @contextmanager
+    def unpack(self, path: Path) -> Iterator[PackReader]:
+        """Opens the file."""
+        import h5py
+
+        with h5py.File(path, "r") as file:
+            yield _Reader(file)
+
+
+class _Reader:
+    """Members of a file as they were before packing."""
+
+    def __init__(self, file: Any) -> None:
+        self._file = file
+
+    def names(self) -> Sequence[str]:
+        """Names of all members."""
+        return [
+            f"{key}/{name}.{'json' if name == _RECORD else 'npy'}"
+            for key, group in self._file.items()
+            for name in group
+        ]
+
+    def read(self, name: str) -> bytes:
+        """Content of a member."""
+        array = self._file[str(Path(name).with_suffix(""))][()]
+        return bytes(array.tobytes()) if name.endswith(".json") else npy(array)

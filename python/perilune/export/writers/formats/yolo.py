@@ -1,0 +1,176 @@
+"""Ultralytics' YOLO: boxes, or polygons, of visible pixels, in shares of the picture's size."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any, ClassVar
+
+import numpy as np
+
+from perilune.config.errors import ConfigError
+from perilune.export.writers.formats.base import (
+    Array,
+    Encoded,
+    Files,
+    Format,
+    Frame,
+    Info,
+    Record,
+)
+from perilune.export.writers.formats.channels import COLOR, Channel
+from perilune.export.writers.formats.coco import crafts
+from perilune.export.writers.formats.keypoints import KEYPOINTS, keypoint_names, keypoints_of
+from perilune.export.writers.formats.pixels import from_png, png
+from perilune.export.writers.formats.segments import Segment, segments
+from perilune.simulation import Simulation
+
+
+def class_numbers(info: Info) -> dict[str, int]:
+    """Class -> its number, from 0 on, in the order of ids."""
+    named = {row["class_id"]: row["class"] for row in crafts(info)}
+    return {named[number]: k for k, number in enumerate(sorted(named))}
+
+
+def _number(value: float) -> str:
+    return f"{value:.9g}"
+
+
+def box_text(segment: Segment) -> str:
+    """Centre, width and height of a box: pixel i covers [i, i + 1] of the picture's width."""
+    (x, y, w, h), (height, width) = segment.box, segment.size
+    shares = ((x + 0.5 * w) / width, (y + 0.5 * h) / height, w / width, h / height)
+    return " ".join(map(_number, shares))
+
+
+class Yolo(Format):
+    """Boxes for detectors."""
+
+    name = "yolo"
+    doc = "Ultralytics YOLO: boxes of spacecraft"
+    layout = (
+        "`images/SPLIT/NNNNNN.png`, `labels/SPLIT/NNNNNN.txt` (a line for each spacecraft that is "
+        "seen: class, centre, width, height, as shares of the picture), `data.yaml`"
+    )
+    reader = "Ultralytics"
+    needs: ClassVar[tuple[str, ...]] = ("picture", "instance", "objects")
+
+    def holds(self, channel: Channel) -> bool:
+        """Pictures and instances."""
+        return channel.name in (*COLOR, "instance")
+
+    def begin(self, sim: Simulation, info: Info) -> Files:
+        """data.yaml: JSON is YAML, and says texts as they are."""
+        folder = f"images/{info['split']}"
+        names = {str(k): name for name, k in class_numbers(info).items()}
+        rows = {"path": ".", "train": folder, "val": folder, "names": names, **self.more(info)}
+        text = "".join(f"{key}: {json.dumps(value)}\n" for key, value in rows.items())
+        return {"data.yaml": text.encode("utf-8")}
+
+    def more(self, info: Info) -> dict[str, Any]:
+        """Further keys of data.yaml."""
+        return {}
+
+    def line(self, segment: Segment, row: Mapping[str, Any], points: Mapping[str, Any]) -> str:
+        """What follows the class of an object."""
+        return box_text(segment)
+
+    def encode(self, info: Info, frame: Frame) -> Encoded:
+        """The picture and its lines."""
+        split, numbers = info["split"], class_numbers(info)
+        classes = {row["name"]: numbers[row["class"]] for row in crafts(info)}
+        found, points = segments(frame.arrays["instance"]), keypoints_of(frame)
+        lines = [
+            f"{classes[row['name']]} {self.line(found[row['instance_id']], row, points)}\n"
+            for row in frame.record["objects"]
+            if row["instance_id"] in found
+        ]
+        return Encoded(
+            {
+                f"images/{split}/{frame.key}.png": png(frame.arrays[info["picture"]]),
+                f"labels/{split}/{frame.key}.txt": "".join(lines).encode("ascii"),
+            }
+        )
+
+    def decode(self, info: Info, record: Record, read: Callable[[str], bytes]) -> dict[str, Array]:
+        """The picture; ValueError for a line that is none."""
+        split, key = info["split"], f"{record['index']:06d}"
+        for k, row in enumerate(self.rows(read(f"labels/{split}/{key}.txt"))):
+            if not (
+                0 <= row[0] < len(class_numbers(info)) and ((row[1:] >= 0) & (row[1:] <= 1)).all()
+            ):
+                raise ValueError(f"line {k + 1} of the labels is out of range")
+        return {info["picture"]: from_png(read(f"images/{split}/{key}.png"))}
+
+    @staticmethod
+    def rows(data: bytes) -> Iterator[Array]:
+        """Numbers of each line."""
+        for line in data.decode("ascii").splitlines():
+            yield np.array([float(word) for word in line.split()])
+
+
+class YoloSegment(Yolo):
+    """Polygons for instance segmentation."""
+
+    name = "yolo-segment"
+    doc = "Ultralytics YOLO: polygons of spacecraft (needs perilune[yolo])"
+    layout = Yolo.layout.replace(
+        "class, centre, width, height", "class, outline through the pixels of its border"
+    )
+
+    def describe(self, sim: Simulation) -> dict[str, Any]:
+        """Nothing, if there is OpenCV."""
+        try:
+            import cv2  # noqa: F401
+        except ImportError:
+            text = "format 'yolo-segment': needs OpenCV: pip install 'perilune[yolo]'"
+            raise ConfigError(text) from None
+        return {}
+
+    def line(self, segment: Segment, row: Mapping[str, Any], points: Mapping[str, Any]) -> str:
+        """Outlines of all pieces, one after the other, as YOLO joins them. Holes are filled."""
+        height, width = segment.size
+        corners = np.concatenate(outlines(segment))
+        shares = (corners + 0.5) / (width, height)
+        return " ".join(map(_number, shares.ravel().tolist()))
+
+
+def outlines(segment: Segment) -> list[Array]:
+    """Corners (n, 2) of each piece of a mask, column and row of pixels; three or more."""
+    import cv2
+
+    x, y, w, h = segment.box
+    mask = segment.mask()[y : y + h, x : x + w].astype(np.uint8)
+    found, _ = cv2.findContours(mask, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_SIMPLE, offset=(x, y))
+    pieces = [np.asarray(piece, dtype=np.float64).reshape(-1, 2) for piece in found]
+    # A pixel or a line has fewer corners than a polygon needs.
+    return [
+        p if len(p) > 2 else np.concatenate([p, np.repeat(p[-1:], 3 - len(p), 0)]) for p in pieces
+    ]
+
+
+class YoloPose(Yolo):
+    """Boxes and keypoints."""
+
+    name = "yolo-pose"
+    doc = "Ultralytics YOLO: boxes and keypoints of spacecraft"
+    layout = Yolo.layout.replace("width, height,", "width, height, x, y, visibility of keypoints,")
+    needs = ("picture", "instance", "objects", KEYPOINTS)
+
+    def holds(self, channel: Channel) -> bool:
+        """Pictures, instances and keypoints."""
+        return super().holds(channel) or channel.name == KEYPOINTS
+
+    def more(self, info: Info) -> dict[str, Any]:
+        """Number of keypoints, each with x, y and visibility."""
+        return {"kpt_shape": [len(keypoint_names(info)), 3]}
+
+    def line(self, segment: Segment, row: Mapping[str, Any], points: Mapping[str, Any]) -> str:
+        """Box and keypoints; those that are not in the picture are 0 0 0."""
+        height, width = segment.size
+        own = points[row["name"]]
+        words = [box_text(segment)]
+        for (x, y), v in zip(own.pixels, own.visibility, strict=True):
+            shares = ((x + 0.5) / width, (y + 0.5) / height) if v else (0.0, 0.0)
+            words.append(f"{_number(shares[0])} {_number(shares[1])} {v}")
+        return " ".join(words)
