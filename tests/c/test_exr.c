@@ -1,5 +1,5 @@
 /* Writing OpenEXR: content, identical bytes, refusals, and allocations that fail. What a reader of
- * others makes of it, tests/python/output/test_exr.py asks. */
+ * others makes of it, tests/python/output/test_format_readers.py asks. */
 #include "io/exr.h"
 
 #include <string.h>
