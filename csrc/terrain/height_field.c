@@ -98,25 +98,30 @@ pl_rock_hit pl_height_field_rock(const pl_height_field *field, uint32_t triangle
   }
   const pl_ground_tile *tile = field->tiles[low];
   const uint32_t own = triangle - field->first_rocks[low];
-  return (pl_rock_hit){tile, own, &tile->rocks->rocks[pl_ground_rocks_of(tile->rocks, own)]};
+  const size_t rock = pl_ground_rocks_of(tile->rocks, own);
+  return (pl_rock_hit){tile, own - tile->rocks->first[rock], &tile->rocks->rocks[rock]};
+}
+
+static pl_vec3 of_floats(const float p[3]) {
+  return (pl_vec3){(double)p[0], (double)p[1], (double)p[2]};
 }
 
 void pl_rock_hit_corners(const pl_height_field *field, const pl_rock_hit *hit, pl_vec3 out[3]) {
-  const pl_ground_rocks *rocks = hit->tile->rocks;
-  const pl_vec3 from = pl_vec3_sub(hit->tile->origin, field->origin);
+  const pl_rock_mesh *mesh = hit->rock->mesh;
+  const pl_vec3 from = pl_vec3_sub(hit->rock->rock.center, field->origin);
   for (int c = 0; c < 3; c++) {
-    const float *p = rocks->positions[rocks->triangles[hit->triangle][c]];
-    out[c] = pl_vec3_add(from, (pl_vec3){(double)p[0], (double)p[1], (double)p[2]});
+    const float *p = mesh->positions[mesh->triangles[hit->triangle][c]];
+    out[c] = pl_vec3_add(from, pl_ground_rock_out(hit->rock, of_floats(p)));
   }
 }
 
 pl_vec3 pl_rock_hit_normal(const pl_rock_hit *hit, const float weights[3]) {
-  const pl_ground_rocks *rocks = hit->tile->rocks;
+  const pl_rock_mesh *mesh = hit->rock->mesh;
   pl_vec3 sum = {0.0, 0.0, 0.0};
   for (int c = 0; c < 3; c++) {
-    const float *n = rocks->normals[rocks->triangles[hit->triangle][c]];
-    sum =
-        pl_vec3_madd(sum, (double)weights[c], (pl_vec3){(double)n[0], (double)n[1], (double)n[2]});
+    const float *n = mesh->normals[mesh->triangles[hit->triangle][c]];
+    sum = pl_vec3_madd(sum, (double)weights[c],
+                       pl_vec3_unit(pl_ground_rock_normal(hit->rock, of_floats(n))));
   }
   return pl_vec3_unit(sum);
 }

@@ -27,8 +27,8 @@ typedef struct pl_height_field {
 /* A triangle of a rock. */
 typedef struct pl_rock_hit {
   const pl_ground_tile *tile;
-  uint32_t triangle; /* of the tile's rocks */
-  const pl_rock *rock;
+  uint32_t triangle; /* of the rock's mesh */
+  const pl_ground_rock *rock;
 } pl_rock_hit;
 pl_rock_hit pl_height_field_rock(const pl_height_field *field, uint32_t triangle);
 /* Its corners, relative to `field->origin` in body axes, m. */

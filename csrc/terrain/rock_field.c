@@ -113,6 +113,7 @@ static pl_status fill(pl_rock_field *field, const pl_rock_frame *frame) {
   for (int k = 0; k < PL_ROCK_FAMILIES; k++)
     field->families[k] /= sum;
   PL_TRY(pl_rock_spheres_create(&field->spheres));
+  PL_TRY(pl_rock_variants_create(field->spheres, &field->variants));
   PL_TRY(pl_scatter_init(frame->radius_m, frame->seed, PURPOSE_ROCKS, pl_rock_density,
                          &field->frame.law, frame->min_m, frame->max_m, &field->scatter));
   return frame->ejecta.at_rim > 0.0 ? fill_blocks(field) : PL_OK;
@@ -139,6 +140,7 @@ void pl_rock_field_destroy(pl_rock_field *field) {
   pl_free(field->table);
   pl_scatter_clear(&field->scatter);
   pl_scatter_clear(&field->blocks);
+  pl_free(field->variants);
   pl_rock_spheres_destroy(field->spheres);
   pl_free(field);
 }
@@ -151,6 +153,10 @@ double pl_rock_reach_m(const pl_rock_field *field) {
 }
 
 const pl_rock_sphere *pl_rock_field_spheres(const pl_rock_field *field) { return field->spheres; }
+
+const pl_rock_variant *pl_rock_field_variants(const pl_rock_field *field) {
+  return field->variants;
+}
 
 /* Whether a place in a cell, in 2^-53 of it, is in part `at` of its 2^below parts. */
 static bool is_in(uint64_t place, int below, uint64_t at) {

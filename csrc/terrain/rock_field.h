@@ -61,6 +61,8 @@ const pl_rock_frame *pl_rock_field_frame(const pl_rock_field *field);
 double pl_rock_reach_m(const pl_rock_field *field);
 /* Spheres that rocks are made from, by level of detail. */
 const pl_rock_sphere *pl_rock_field_spheres(const pl_rock_field *field);
+/* Its shapes before they are stretched, by number. */
+const pl_rock_variant *pl_rock_field_variants(const pl_rock_field *field);
 
 typedef struct pl_rock {
   uint64_t id;       /* below 2^63, not 0; the same at any level of detail */

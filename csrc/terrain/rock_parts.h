@@ -10,6 +10,7 @@ struct pl_rock_field {
   pl_scatter scatter;
   pl_scatter blocks;                 /* candidates for those about craters; empty without */
   pl_rock_sphere *spheres;           /* owned */
+  pl_rock_variant *variants;         /* owned */
   double families[PL_ROCK_FAMILIES]; /* cumulative shares, the last 1 */
 };
 

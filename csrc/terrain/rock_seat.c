@@ -172,7 +172,7 @@ static pl_rock_family_kind family_of(const pl_rock_field *field, double u) {
 static void draw_shape(const pl_rock_field *field, uint64_t id, pl_rock_shape *shape) {
   uint64_t words[4];
   pl_scatter_words(&field->scatter, id, FOR_SHAPE, words);
-  pl_rock_shape_draw(family_of(field, pl_philox_double(words[3])), words, shape);
+  pl_rock_shape_draw(field->variants, family_of(field, pl_philox_double(words[3])), words, shape);
 }
 
 /* Least part of the height that is below the ground, of the third random word of a seat. */
@@ -199,7 +199,7 @@ bool pl_rock_set(const pl_rock_field *field, const pl_terrain *terrain, const pl
     return false;
   draw_shape(field, site->id, shape);
   *rock = (pl_rock){.id = site->id,
-                    .family = shape->family - pl_rock_families,
+                    .family = shape->variant->family - pl_rock_families,
                     .diameter_m = site->diameter_m,
                     .slope_rad = ground.slope_rad,
                     .direction = site->direction,

@@ -1,5 +1,6 @@
 #include "terrain/rock_shape.h"
 
+#include "base/memory.h"
 #include "math/noise.h"
 #include "math/philox.h"
 
@@ -51,9 +52,8 @@ static double next_normal(stream *s) { return 2.0 * (next(s) + next(s) + next(s)
 
 /* The planes of a cube are its faces, somewhat turned; others are random, away from the last ones,
  * so that they do not cut alike. */
-static pl_vec3 next_plane(const pl_rock_shape *shape, pl_rock_family_kind family, int k,
-                          stream *s) {
-  if (family == PL_ROCK_CUBE) {
+static pl_vec3 next_plane(const pl_rock_variant *ball, int k, stream *s) {
+  if (ball->family == &pl_rock_families[PL_ROCK_CUBE]) {
     const double side = k % 2 == 0 ? 1.0 : -1.0;
     const pl_vec3 face = {k / 2 == 0 ? side : 0.0, k / 2 == 1 ? side : 0.0,
                           k / 2 == 2 ? side : 0.0};
@@ -65,7 +65,7 @@ static pl_vec3 next_plane(const pl_rock_shape *shape, pl_rock_family_kind family
     const pl_vec3 d = next_direction(s);
     double nearest = -1.0;
     for (int m = 0; m < k; m++)
-      nearest = fmax(nearest, pl_vec3_dot(d, pl_vec3_unit(shape->normals[m])));
+      nearest = fmax(nearest, pl_vec3_dot(d, pl_vec3_unit(ball->normals[m])));
     if (nearest < most) {
       most = nearest;
       best = d;
@@ -74,80 +74,127 @@ static pl_vec3 next_plane(const pl_rock_shape *shape, pl_rock_family_kind family
   return best;
 }
 
-void pl_rock_shape_extent(const pl_rock_shape *shape, pl_vec3 axis, double *low, double *high) {
-  static const double golden = 2.399963229728653; /* angle of a spiral of even points */
-  enum { POINTS = 64 };
-  *low = *high = 0.0;
-  for (int k = 0; k < POINTS; k++) {
-    const double z = (2.0 * k + 1.0) / POINTS - 1.0, r = sqrt(1.0 - z * z);
-    const pl_vec3 d = {r * cos(golden * k), r * sin(golden * k), z};
-    const double along = pl_vec3_dot(pl_rock_shape_point(shape, d), axis);
-    *low = fmin(*low, along);
-    *high = fmax(*high, along);
-  }
-}
-
-/* Makes the plan diameter 1. */
-static void measure(pl_rock_shape *shape) {
-  double low[2], high[2];
-  pl_rock_shape_extent(shape, (pl_vec3){1.0, 0.0, 0.0}, &low[0], &high[0]);
-  pl_rock_shape_extent(shape, (pl_vec3){0.0, 1.0, 0.0}, &low[1], &high[1]);
-  shape->axes = pl_vec3_scale(shape->axes, 1.0 / sqrt((high[0] - low[0]) * (high[1] - low[1])));
-  /* No point is beyond the ball displaced by all noise. */
-  const double most = fmax(shape->axes.x, fmax(shape->axes.y, shape->axes.z));
-  shape->radius = most * (1.0 + shape->family->lumps + 2.0 * shape->family->roughness);
-}
-
-void pl_rock_shape_draw(pl_rock_family_kind family, const uint64_t words[4], pl_rock_shape *out) {
-  stream s = {.key = {words[0], words[1]}};
-  const pl_rock_family *of = &pl_rock_families[family];
-  const double width = of->width * (1.0 + 0.12 * next_normal(&s));
-  const double height = of->height * (1.0 + 0.18 * next_normal(&s));
-  *out = (pl_rock_shape){.family = of, .planes = of->planes, .seed = (uint32_t)words[2]};
-  out->axes = (pl_vec3){1.0, fmax(width, 0.3), fmax(height, 0.15)};
-  for (int k = 0; k < of->planes; k++) {
-    const pl_vec3 normal = next_plane(out, family, k, &s);
-    const double distance = of->nearest + (of->furthest - of->nearest) * next(&s);
-    out->normals[k] = pl_vec3_scale(normal, 1.0 / distance);
-  }
-  measure(out);
-}
-
 /* Radius of the ball with its cuts: the norm of all bounds 1/r, of which a high power is nearly the
  * greatest. Powers of two are squared up and rooted down, the same on all machines. */
-static double cut_radius(const pl_rock_shape *shape, pl_vec3 d) {
+static double cut_radius(const pl_rock_variant *ball, pl_vec3 d) {
   double sum = 1.0;
-  for (int k = 0; k < shape->planes; k++) {
-    double x = fmax(pl_vec3_dot(shape->normals[k], d), 0.0);
-    for (int n = 0; n < shape->family->sharpness; n++)
+  for (int k = 0; k < ball->planes; k++) {
+    const double along = pl_vec3_dot(ball->normals[k], d);
+    double x = along > 0.0 ? along : 0.0;
+    for (int n = 0; n < ball->family->sharpness; n++)
       x *= x;
     sum += x;
   }
-  for (int n = 0; n < shape->family->sharpness; n++)
+  for (int n = 0; n < ball->family->sharpness; n++)
     sum = sqrt(sum);
   return 1.0 / sum;
 }
 
-static double radius_at(const pl_rock_shape *shape, pl_vec3 d) {
-  const pl_rock_family *of = shape->family;
-  double factor = 1.0 + of->lumps * (double)pl_noise(pl_vec3_scale(d, 1.2), shape->seed);
+double pl_rock_variant_radius(const pl_rock_variant *variant, pl_vec3 d) {
+  const pl_rock_family *of = variant->family;
+  double factor = 1.0 + of->lumps * (double)pl_noise(pl_vec3_scale(d, 1.2), variant->seed);
   double amplitude = of->roughness, frequency = 3.0;
   for (int k = 1; k < PL_ROCK_OCTAVES + 1; k++) {
-    factor += amplitude * (double)pl_noise(pl_vec3_scale(d, frequency), shape->seed + (uint32_t)k);
+    factor +=
+        amplitude * (double)pl_noise(pl_vec3_scale(d, frequency), variant->seed + (uint32_t)k);
     amplitude *= 0.5;
     frequency *= 2.1;
   }
-  return cut_radius(shape, d) * factor;
+  return cut_radius(variant, d) * factor;
+}
+
+static pl_vec3 stretched(pl_vec3 p, pl_vec3 axes) {
+  return (pl_vec3){axes.x * p.x, axes.y * p.y, axes.z * p.z};
+}
+
+/* How far the surface reaches along a vector: from the best probe on, which the surface around it
+ * may exceed, uphill in ever smaller steps. */
+static double reach(const pl_rock_variant *ball, pl_vec3 along) {
+  static const double steps[] = {0.12, 0.08, 0.05, 0.03, 0.015};
+  pl_vec3 best = ball->probes[0];
+  for (int k = 1; k < PL_ROCK_PROBES; k++)
+    if (pl_vec3_dot(ball->probes[k], along) > pl_vec3_dot(best, along))
+      best = ball->probes[k];
+  for (size_t n = 0; n < sizeof steps / sizeof *steps; n++) {
+    const pl_vec3 from = pl_vec3_unit(best);
+    const pl_vec3 other = fabs(from.z) < 0.7 ? (pl_vec3){0, 0, 1} : (pl_vec3){1, 0, 0};
+    const pl_vec3 a = pl_vec3_unit(pl_vec3_cross(other, from)), b = pl_vec3_cross(from, a);
+    for (int k = 0; k < 4; k++) {
+      const pl_vec3 d =
+          pl_vec3_unit(pl_vec3_madd(from, k & 1 ? -steps[n] : steps[n], k & 2 ? b : a));
+      const pl_vec3 p = pl_vec3_scale(d, pl_rock_variant_radius(ball, d));
+      if (pl_vec3_dot(p, along) > pl_vec3_dot(best, along))
+        best = p;
+    }
+  }
+  return pl_vec3_dot(best, along);
+}
+
+static void draw_variant(pl_rock_family_kind family, int k, const pl_rock_sphere *sphere,
+                         pl_rock_variant *out) {
+  const pl_rock_family *of = &pl_rock_families[family];
+  const uint32_t number = (uint32_t)family * PL_ROCK_VARIANTS + (uint32_t)k;
+  stream s = {.key = {UINT64_C(0x76617269616e74), number}};
+  *out =
+      (pl_rock_variant){.family = of, .number = number, .planes = of->planes, .seed = 16 * number};
+  for (int n = 0; n < of->planes; n++) {
+    const pl_vec3 normal = next_plane(out, n, &s);
+    const double distance = of->nearest + (of->furthest - of->nearest) * next(&s);
+    out->normals[n] = pl_vec3_scale(normal, 1.0 / distance);
+  }
+  for (int n = 0; n < PL_ROCK_PROBES; n++)
+    out->probes[n] =
+        pl_vec3_scale(sphere->vertices[n], pl_rock_variant_radius(out, sphere->vertices[n]));
+  double widths = 1.0;
+  for (int axis = 0; axis < 2; axis++) {
+    const pl_vec3 along = {axis == 0, axis == 1, 0.0};
+    widths *= reach(out, along) + reach(out, pl_vec3_scale(along, -1.0));
+  }
+  out->plan = sqrt(widths);
+}
+
+pl_status pl_rock_variants_create(const pl_rock_sphere *spheres, pl_rock_variant **out) {
+  enum { PROBED = 2 }; /* the level of PL_ROCK_PROBES vertices */
+  void *memory;
+  *out = NULL;
+  PL_TRY(pl_alloc_or_fail(PL_ROCK_FAMILIES * PL_ROCK_VARIANTS, sizeof(pl_rock_variant),
+                          "shapes of rocks", &memory));
+  *out = memory;
+  for (int family = 0; family < PL_ROCK_FAMILIES; family++)
+    for (int k = 0; k < PL_ROCK_VARIANTS; k++)
+      draw_variant((pl_rock_family_kind)family, k, &spheres[PROBED],
+                   &(*out)[family * PL_ROCK_VARIANTS + k]);
+  return PL_OK;
+}
+
+void pl_rock_shape_draw(const pl_rock_variant *variants, pl_rock_family_kind family,
+                        const uint64_t words[3], pl_rock_shape *out) {
+  stream s = {.key = {words[0], words[1]}};
+  const pl_rock_family *of = &pl_rock_families[family];
+  const double width = fmax(of->width * (1.0 + 0.12 * next_normal(&s)), 0.3);
+  const double height = fmax(of->height * (1.0 + 0.18 * next_normal(&s)), 0.15);
+  const pl_rock_variant *ball =
+      &variants[(uint64_t)family * PL_ROCK_VARIANTS + words[2] % PL_ROCK_VARIANTS];
+  *out = (pl_rock_shape){.variant = ball, .axes = {1.0, width, height}};
+  out->axes = pl_vec3_scale(out->axes, 1.0 / (ball->plan * sqrt(width)));
+  /* No point is beyond the ball displaced by all noise. */
+  const double most = fmax(out->axes.x, fmax(out->axes.y, out->axes.z));
+  out->radius = most * (1.0 + of->lumps + 2.0 * of->roughness);
+}
+
+void pl_rock_shape_extent(const pl_rock_shape *shape, pl_vec3 axis, double *low, double *high) {
+  const pl_vec3 along = stretched(axis, shape->axes);
+  *high = reach(shape->variant, along);
+  *low = -reach(shape->variant, pl_vec3_scale(along, -1.0));
 }
 
 pl_vec3 pl_rock_shape_point(const pl_rock_shape *shape, pl_vec3 direction) {
-  const double r = radius_at(shape, direction);
-  return (pl_vec3){shape->axes.x * r * direction.x, shape->axes.y * r * direction.y,
-                   shape->axes.z * r * direction.z};
+  const double r = pl_rock_variant_radius(shape->variant, direction);
+  return stretched(pl_vec3_scale(direction, r), shape->axes);
 }
 
 double pl_rock_shape_depth(const pl_rock_shape *shape, pl_vec3 point) {
   const pl_vec3 ball = {point.x / shape->axes.x, point.y / shape->axes.y, point.z / shape->axes.z};
   const double r = pl_vec3_norm(ball);
-  return r > 0.0 ? r / radius_at(shape, pl_vec3_scale(ball, 1.0 / r)) : 0.0;
+  return r > 0.0 ? r / pl_rock_variant_radius(shape->variant, pl_vec3_scale(ball, 1.0 / r)) : 0.0;
 }

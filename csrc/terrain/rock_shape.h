@@ -1,8 +1,10 @@
 /* Shapes of rocks: bodies around a centre, a function of direction, in a dozen families.
  *
- * A ball is cut by random planes, with edges rounded as the family says, displaced by noise, and
- * stretched along three axes. Every ray from the centre meets the surface once, so any mesh of a
- * sphere gives a closed mesh of the rock. z is its short axis. */
+ * A ball is cut by random planes, with edges rounded as the family says, and displaced by noise.
+ * Each family has PL_ROCK_VARIANTS such balls; a rock is one of them, stretched along three axes
+ * by numbers of its own. So rocks are affine images of a few hundred shapes, and share their meshes
+ * (terrain/rock_mesh.h). Every ray from the centre meets the surface once, so any mesh of a sphere
+ * gives a closed mesh of the rock. z is its short axis. */
 #ifndef PL_TERRAIN_ROCK_SHAPE_H
 #define PL_TERRAIN_ROCK_SHAPE_H
 
@@ -11,7 +13,7 @@
 #include "base/status.h"
 #include "math/vec.h"
 
-enum { PL_ROCK_PLANES = 20, PL_ROCK_OCTAVES = 3 };
+enum { PL_ROCK_PLANES = 20, PL_ROCK_OCTAVES = 3, PL_ROCK_VARIANTS = 32, PL_ROCK_PROBES = 162 };
 
 typedef struct pl_rock_family {
   const char *name, *doc;
@@ -39,35 +41,49 @@ typedef enum pl_rock_family_kind {
 } pl_rock_family_kind;
 extern const pl_rock_family pl_rock_families[PL_ROCK_FAMILIES];
 
-/* One rock, of plan diameter 1 (the geometric mean of its widths along x and y). */
-typedef struct pl_rock_shape {
-  const pl_rock_family *family;
-  pl_vec3 axes;
-  int planes;
-  pl_vec3 normals[PL_ROCK_PLANES]; /* over their distance */
-  uint32_t seed;                   /* of noise */
-  double radius;                   /* no point is further from the centre */
-} pl_rock_shape;
-
-/* Draws a shape from four random words. */
-void pl_rock_shape_draw(pl_rock_family_kind family, const uint64_t words[4], pl_rock_shape *out);
-
-/* Point of the surface on the ray through a unit direction of the unstretched ball. */
-pl_vec3 pl_rock_shape_point(const pl_rock_shape *shape, pl_vec3 direction);
-/* Extent along a unit axis, of about 64 points: it misses at most a few percent. */
-void pl_rock_shape_extent(const pl_rock_shape *shape, pl_vec3 axis, double *low, double *high);
-/* Distance from the centre over that of the surface on the same ray: below 1 inside. */
-double pl_rock_shape_depth(const pl_rock_shape *shape, pl_vec3 point);
-
 /* Spheres of triangles: subdivided icosahedra, 20 4^level triangles. */
 enum { PL_ROCK_LODS = 6 };
 typedef struct pl_rock_sphere {
   int vertex_count, triangle_count;
   pl_vec3 *vertices;        /* unit */
-  uint16_t (*triangles)[3]; /* counter-clockwise from outside */
+  uint32_t (*triangles)[3]; /* counter-clockwise from outside */
   double scale; /* by which the mesh of a sphere has the sphere's area, and so its mean shadow */
 } pl_rock_sphere;
 pl_status pl_rock_spheres_create(pl_rock_sphere **out); /* PL_ROCK_LODS of them, one block */
 void pl_rock_spheres_destroy(pl_rock_sphere *spheres);
+
+/* A ball with its cuts and noise. */
+typedef struct pl_rock_variant {
+  const pl_rock_family *family;
+  uint32_t number; /* of a variant among those of all families */
+  uint32_t seed;   /* of noise */
+  int planes;
+  pl_vec3 normals[PL_ROCK_PLANES]; /* over their distance */
+  pl_vec3 probes[PL_ROCK_PROBES];  /* points of its surface */
+  double plan;                     /* geometric mean of its widths along x and y */
+} pl_rock_variant;
+
+/* All variants, by number: those of a family follow one another. Freed with pl_free. */
+pl_status pl_rock_variants_create(const pl_rock_sphere *spheres, pl_rock_variant **out);
+
+/* One rock, of plan diameter 1 (the geometric mean of its widths along x and y). */
+typedef struct pl_rock_shape {
+  const pl_rock_variant *variant; /* borrowed */
+  pl_vec3 axes;
+  double radius; /* no point is further from the centre */
+} pl_rock_shape;
+
+/* Draws a shape of a family from three random words. */
+void pl_rock_shape_draw(const pl_rock_variant *variants, pl_rock_family_kind family,
+                        const uint64_t words[3], pl_rock_shape *out);
+
+/* Distance of a variant's surface from the centre in a unit direction. */
+double pl_rock_variant_radius(const pl_rock_variant *variant, pl_vec3 direction);
+/* Point of the surface on the ray through a unit direction of the unstretched ball. */
+pl_vec3 pl_rock_shape_point(const pl_rock_shape *shape, pl_vec3 direction);
+/* Extent along a unit axis: it misses at most 5 % of it. */
+void pl_rock_shape_extent(const pl_rock_shape *shape, pl_vec3 axis, double *low, double *high);
+/* Distance from the centre over that of the surface on the same ray: below 1 inside. */
+double pl_rock_shape_depth(const pl_rock_shape *shape, pl_vec3 point);
 
 #endif

@@ -9,7 +9,7 @@ static const double corners[FIRST_VERTICES][3] = {
     {-1, GOLDEN, 0}, {1, GOLDEN, 0}, {-1, -GOLDEN, 0}, {1, -GOLDEN, 0},
     {0, -1, GOLDEN}, {0, 1, GOLDEN}, {0, -1, -GOLDEN}, {0, 1, -GOLDEN},
     {GOLDEN, 0, -1}, {GOLDEN, 0, 1}, {-GOLDEN, 0, -1}, {-GOLDEN, 0, 1}};
-static const uint16_t faces[FIRST_TRIANGLES][3] = {
+static const uint32_t faces[FIRST_TRIANGLES][3] = {
     {0, 11, 5},  {0, 5, 1},  {0, 1, 7},  {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
     {11, 10, 2}, {10, 7, 6}, {7, 1, 8},  {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
     {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}};
@@ -17,16 +17,16 @@ static const uint16_t faces[FIRST_TRIANGLES][3] = {
 /* Edges of a sphere that have their middle: for a vertex, up to six others and the middles. */
 typedef struct edges {
   int count;
-  uint16_t to[6], middle[6];
+  uint32_t to[6], middle[6];
 } edges;
 
-static uint16_t middle_of(pl_rock_sphere *sphere, edges *known, uint16_t a, uint16_t b) {
-  const uint16_t low = a < b ? a : b, high = a < b ? b : a;
+static uint32_t middle_of(pl_rock_sphere *sphere, edges *known, uint32_t a, uint32_t b) {
+  const uint32_t low = a < b ? a : b, high = a < b ? b : a;
   edges *at = &known[low];
   for (int k = 0; k < at->count; k++)
     if (at->to[k] == high)
       return at->middle[k];
-  const uint16_t middle = (uint16_t)sphere->vertex_count++;
+  const uint32_t middle = (uint32_t)sphere->vertex_count++;
   sphere->vertices[middle] =
       pl_vec3_unit(pl_vec3_add(sphere->vertices[low], sphere->vertices[high]));
   at->to[at->count] = high;
@@ -42,10 +42,10 @@ static void subdivide(const pl_rock_sphere *from, pl_rock_sphere *to, edges *kno
     known[k].count = 0;
   }
   for (int k = 0; k < from->triangle_count; k++) {
-    const uint16_t *t = from->triangles[k];
-    const uint16_t m[3] = {middle_of(to, known, t[0], t[1]), middle_of(to, known, t[1], t[2]),
+    const uint32_t *t = from->triangles[k];
+    const uint32_t m[3] = {middle_of(to, known, t[0], t[1]), middle_of(to, known, t[1], t[2]),
                            middle_of(to, known, t[2], t[0])};
-    const uint16_t parts[4][3] = {
+    const uint32_t parts[4][3] = {
         {t[0], m[0], m[2]}, {t[1], m[1], m[0]}, {t[2], m[2], m[1]}, {m[0], m[1], m[2]}};
     for (int p = 0; p < 4; p++, to->triangle_count++)
       for (int c = 0; c < 3; c++)
@@ -56,7 +56,7 @@ static void subdivide(const pl_rock_sphere *from, pl_rock_sphere *to, edges *kno
 static void set_scale(pl_rock_sphere *sphere) {
   double area = 0.0;
   for (int k = 0; k < sphere->triangle_count; k++) {
-    const uint16_t *t = sphere->triangles[k];
+    const uint32_t *t = sphere->triangles[k];
     const pl_vec3 a = sphere->vertices[t[0]];
     area += 0.5 * pl_vec3_norm(pl_vec3_cross(pl_vec3_sub(sphere->vertices[t[1]], a),
                                              pl_vec3_sub(sphere->vertices[t[2]], a)));
@@ -87,7 +87,7 @@ pl_status pl_rock_spheres_create(pl_rock_sphere **out) {
     triangles += (size_t)FIRST_TRIANGLES << (2 * lod);
   }
   const size_t heads = PL_ROCK_LODS * sizeof(pl_rock_sphere);
-  const size_t points = vertices * sizeof(pl_vec3), indices = triangles * 3 * sizeof(uint16_t);
+  const size_t points = vertices * sizeof(pl_vec3), indices = triangles * 3 * sizeof(uint32_t);
   void *block, *known;
   PL_TRY(pl_alloc_or_fail(1, heads + points + indices, "shapes of rocks", &block));
   const pl_status status = pl_alloc_or_fail(vertices, sizeof(edges), "shapes of rocks", &known);
@@ -97,7 +97,7 @@ pl_status pl_rock_spheres_create(pl_rock_sphere **out) {
   }
   pl_rock_sphere *spheres = block;
   pl_vec3 *vertex = (pl_vec3 *)(void *)((char *)block + heads);
-  uint16_t(*triangle)[3] = (uint16_t(*)[3])(void *)((char *)block + heads + points);
+  uint32_t(*triangle)[3] = (uint32_t(*)[3])(void *)((char *)block + heads + points);
   for (int lod = 0; lod < PL_ROCK_LODS; lod++) {
     spheres[lod].vertices = vertex;
     spheres[lod].triangles = triangle;

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/hash.h"
+#include "trace/rock_instances.h"
 
 static bool count_bytes(void *user, ssize_t bytes, bool after) {
   (void)after;
@@ -44,6 +45,8 @@ void pl_ground_tiles_destroy(pl_accelerators *kept) {
   release_grounds(tiles, 0);
   for (size_t k = 0; k < tiles->count; k++)
     free_tile(tiles->list[k]);
+  pl_rock_instances_drop(&tiles->meshes, 0);
+  pl_rock_meshes_clear(&tiles->meshes);
   rtcSetDeviceMemoryMonitorFunction(kept->device, NULL, NULL);
   pl_free(tiles->list);
   pl_free(tiles->slots);

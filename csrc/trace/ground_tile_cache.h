@@ -20,6 +20,7 @@ struct pl_ground_tiles {
   pl_kept_tile **list;      /* owned */
   pl_kept_tile **slots;     /* hash table of them, with open addressing */
   size_t count, slot_count; /* slots: 0 or a power of two, at least twice the count */
+  pl_rock_meshes meshes;    /* of all rocks of tiles, with their scenes */
   RTCScene *grounds;        /* of the present frame; owned */
   size_t ground_count;
   uint64_t frame, made;

@@ -1,5 +1,6 @@
 /* Makes the tiles of a frame and the scene of their instances. */
 #include "trace/ground_tile_cache.h"
+#include "trace/rock_instances.h"
 
 /* One build. */
 typedef struct build {
@@ -8,6 +9,7 @@ typedef struct build {
   const pl_terrain *terrain;
   uint64_t number;              /* of the terrain */
   size_t first;                 /* index of the first new tile in the list */
+  size_t first_mesh;            /* and of the first new mesh of rocks */
   const pl_ground_tile_id *ids; /* of the frame */
 } build;
 
@@ -29,25 +31,15 @@ static void attach_grid(const pl_accelerators *kept, RTCScene scene, const pl_ke
   rtcReleaseGeometry(grid);
 }
 
-static void attach_rocks(const pl_accelerators *kept, RTCScene scene,
-                         const pl_ground_rocks *rocks) {
-  if (rocks == NULL)
-    return;
-  RTCGeometry mesh = rtcNewGeometry(kept->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-  rtcSetSharedGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, rocks->positions,
-                             0, 3 * sizeof(float), rocks->vertex_count);
-  rtcSetSharedGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, rocks->triangles, 0,
-                             3 * sizeof(uint32_t), rocks->triangle_count);
-  rtcCommitGeometry(mesh);
-  rtcAttachGeometryByID(scene, mesh, PL_TILE_ROCKS);
-  rtcReleaseGeometry(mesh);
-}
-
-static pl_status build_tile(const pl_accelerators *kept, pl_kept_tile *tile) {
+static pl_status build_tile(void *context, size_t item, int worker) {
+  (void)worker;
+  const build *build = context;
+  const pl_accelerators *kept = build->kept;
+  pl_kept_tile *tile = build->tiles->list[build->first + item];
   RTCScene scene = rtcNewScene(kept->device);
   rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_COMPACT | PL_EMBREE_QUERY_FILTERS);
   attach_grid(kept, scene, tile);
-  attach_rocks(kept, scene, tile->tile.rocks);
+  pl_rock_instances_attach(kept, scene, tile->tile.rocks);
   rtcCommitScene(scene);
   tile->scene = scene;
   return pl_accelerator_check(kept, "building a tile of ground");
@@ -62,7 +54,25 @@ static pl_status make_tile(void *context, size_t item, int worker) {
   PL_TRY(pl_ground_tile_make(build->terrain, id, &tile->tile));
   if (rocks != NULL)
     PL_TRY(pl_ground_rocks_make(rocks, build->terrain, id, tile->tile.origin, &tile->tile.rocks));
-  return build_tile(build->kept, tile);
+  return PL_OK;
+}
+
+static pl_status make_mesh(void *context, size_t item, int worker) {
+  (void)worker;
+  const build *build = context;
+  pl_rock_mesh *mesh = build->tiles->meshes.list[build->first_mesh + item];
+  const pl_rock_variant *variants = pl_rock_field_variants(pl_terrain_rocks(build->terrain));
+  PL_TRY(pl_rock_mesh_fill(mesh, &build->tiles->meshes, &variants[mesh->variant]));
+  return pl_rock_instances_build(build->kept, mesh);
+}
+
+/* Makes the meshes of rocks that the new tiles are the first to need. */
+static pl_status make_meshes(build *build, int threads, pl_cancel *cancel) {
+  pl_rock_meshes *meshes = &build->tiles->meshes;
+  for (size_t k = build->first; k < build->tiles->count; k++)
+    if (build->tiles->list[k]->tile.rocks != NULL)
+      PL_TRY(pl_ground_rocks_link(build->tiles->list[k]->tile.rocks, meshes));
+  return pl_parallel_for(threads, meshes->count - build->first_mesh, make_mesh, build, cancel);
 }
 
 /* Each of the new tiles counts with its rocks and an equal share of what Embree allocated. */
@@ -111,13 +121,20 @@ static pl_status make_missing(build *build, const pl_ground_tile_id *ids, size_t
   pl_ground_tiles *tiles = build->tiles;
   const long long before = atomic_load(&tiles->embree_bytes);
   build->first = tiles->count;
+  build->first_mesh = tiles->meshes.count;
   pl_status status = pl_ground_tiles_add(tiles, build->number, ids, count);
   if (status == PL_OK)
     status = pl_parallel_for(threads, tiles->count - build->first, make_tile, build, cancel);
   if (status == PL_OK)
+    status = make_meshes(build, threads, cancel);
+  if (status == PL_OK)
+    status = pl_parallel_for(threads, tiles->count - build->first, build_tile, build, cancel);
+  if (status == PL_OK)
     count_new(build, before);
-  else
+  else {
     pl_ground_tiles_drop(tiles, build->first);
+    pl_rock_instances_drop(&tiles->meshes, build->first_mesh);
+  }
   return status;
 }
 
@@ -167,6 +184,24 @@ static void measure(pl_height_field *field, pl_vec3 eye) {
   }
 }
 
+/* Fails, before any is made, if there are to be too many rocks. */
+static pl_status check_rocks(const pl_terrain *terrain, const pl_ground_tile_id *ids,
+                             size_t count) {
+  if (pl_terrain_rocks(terrain) == NULL)
+    return PL_OK;
+  double sum = 0.0;
+  for (size_t k = 0; k < count; k++)
+    sum +=
+        pl_ground_rocks_expected(pl_terrain_rocks(terrain), pl_terrain_radius_m(terrain), ids[k]);
+  if (sum <= PL_GROUND_ROCKS_MOST)
+    return PL_OK;
+  return pl_fail(PL_E_RANGE,
+                 "some %.2g rocks are as large as %g cells of the ground's mesh or more; at most "
+                 "%.2g: raise min_diameter_m or lower the density of rocks, or lower "
+                 "cells_per_pixel",
+                 sum, PL_ROCK_CELLS, PL_GROUND_ROCKS_MOST);
+}
+
 /* Numbers the triangles of rocks of all tiles. */
 static pl_status number_rocks(pl_arena *arena, pl_height_field *field) {
   if (pl_terrain_rocks(field->terrain) == NULL)
@@ -181,7 +216,9 @@ static pl_status number_rocks(pl_arena *arena, pl_height_field *field) {
       sum += field->tiles[k]->rocks->triangle_count;
   }
   if (sum >= UINT32_MAX)
-    return pl_fail(PL_E_RANGE, "rocks of %zu triangles; raise the least diameter of rocks", sum);
+    return pl_fail(PL_E_RANGE,
+                   "rocks of %zu triangles; raise min_diameter_m or lower the density of rocks",
+                   sum);
   field->first_rocks = first;
   return PL_OK;
 }
@@ -197,6 +234,7 @@ pl_status pl_height_field_build(pl_accelerators *kept, const pl_terrain *terrain
     return pl_fail(PL_E_MEMORY, "out of memory for the ground");
   *field = (pl_height_field){.terrain = terrain};
   PL_TRY(pl_ground_tile_tree_choose(terrain, view, arena, &ids, &field->count, &field->widened));
+  PL_TRY(check_rocks(terrain, ids, field->count));
   PL_TRY(make_missing(&build, ids, field->count, threads, cancel));
   build.ids = ids;
   if (view->rays && pl_terrain_ray_brightness(terrain) > 0.0)

@@ -10,6 +10,9 @@
 /* Tiles are evicted above this many bytes, unless pl_ground_tiles_limit says otherwise. */
 #define PL_GROUND_BYTES ((size_t)512 << 20)
 
+/* More rocks than this may not be expected in the tiles of a frame. They would take some 0.6 GB. */
+#define PL_GROUND_ROCKS_MOST 2e6
+
 /* Chooses the tiles of a frame, makes those that are not kept on `threads` threads, and builds the
  * scene of their instances. The ground is allocated in the arena; its scene and tiles are valid
  * until the next pl_ground_tiles_trim. Its bits depend on terrain and view alone. Not thread-safe.

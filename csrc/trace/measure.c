@@ -71,12 +71,32 @@ static void attach(RTCScene top, RTCGeometry geometry) {
   rtcReleaseGeometry(geometry);
 }
 
+static void attach_rock(const pl_accelerators *kept, const pl_shot_body *body,
+                        const pl_ground_rock *rock, RTCScene top) {
+  const pl_rock_mesh *mesh = rock->mesh;
+  RTCGeometry geometry = rtcNewGeometry(kept->device, RTC_GEOMETRY_TYPE_TRIANGLE);
+  float *out = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                       3 * sizeof(float), (size_t)mesh->vertex_count);
+  for (int k = 0; out != NULL && k < mesh->vertex_count; k++) {
+    const float *p = mesh->positions[k];
+    const pl_vec3 own = {(double)p[0], (double)p[1], (double)p[2]};
+    const pl_vec3 at = pl_vec3_add(rock->rock.center, pl_ground_rock_out(rock, own));
+    const pl_vec3f placed =
+        pl_vec3_to_float(pl_vec3_add(body->center, pl_mat3_mul_vec(body->rotation, at)));
+    out[3 * k] = placed.x;
+    out[3 * k + 1] = placed.y;
+    out[3 * k + 2] = placed.z;
+  }
+  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh->triangles,
+                             0, 3 * sizeof(uint32_t), (size_t)mesh->triangle_count);
+  attach(top, geometry);
+}
+
 /* Attaches the grid and the rocks of each tile to one scene, without instances. */
 static void attach_ground(const pl_accelerators *kept, const pl_shot_body *body, RTCScene top) {
   enum { SIDE = PL_GROUND_TILE_SIDE };
   for (size_t k = 0; k < body->field->count; k++) {
     const pl_ground_tile *tile = body->field->tiles[k];
-    const pl_ground_rocks *rocks = tile->rocks;
     RTCGeometry grid = points_of(kept, RTC_GEOMETRY_TYPE_GRID, body, tile->origin, tile->positions,
                                  (size_t)SIDE * SIDE);
     struct RTCGrid *shape =
@@ -84,13 +104,8 @@ static void attach_ground(const pl_accelerators *kept, const pl_shot_body *body,
     if (shape != NULL)
       *shape = (struct RTCGrid){0, SIDE, SIDE, SIDE};
     attach(top, grid);
-    if (rocks == NULL)
-      continue;
-    RTCGeometry mesh = points_of(kept, RTC_GEOMETRY_TYPE_TRIANGLE, body, tile->origin,
-                                 (const float(*)[3])rocks->positions, rocks->vertex_count);
-    rtcSetSharedGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, rocks->triangles,
-                               0, 3 * sizeof(uint32_t), rocks->triangle_count);
-    attach(top, mesh);
+    for (size_t r = 0; tile->rocks != NULL && r < tile->rocks->count; r++)
+      attach_rock(kept, body, &tile->rocks->rocks[r], top);
   }
 }
 

@@ -2,7 +2,6 @@
 #include "harness.h"
 
 #include <math.h>
-#include <string.h>
 
 #include "base/memory.h"
 #include "terrain/ground_tile_rocks.h"
@@ -42,19 +41,34 @@ static pl_ground_rocks *rocks_of(const world *world, pl_ground_tile_id id, pl_ve
   return rocks;
 }
 
+/* Gives rocks their meshes, and those that are new their vertices. */
+static void link_all(pl_ground_rocks *rocks, pl_rock_meshes *meshes, const world *world) {
+  const size_t before = meshes->count;
+  assert_int_equal(pl_ground_rocks_link(rocks, meshes), PL_OK);
+  for (size_t k = before; k < meshes->count; k++)
+    assert_int_equal(
+        pl_rock_mesh_fill(meshes->list[k], meshes,
+                          &pl_rock_field_variants(world->rocks)[meshes->list[k]->variant]),
+        PL_OK);
+}
+
+/* Corner of a triangle of a rock, about the rock's centre. */
+static pl_vec3 corner_of(const pl_ground_rock *rock, int triangle, int c) {
+  const uint32_t v = rock->mesh->triangles[triangle][c];
+  assert_true(v < (uint32_t)rock->mesh->vertex_count);
+  const float *at = rock->mesh->positions[v];
+  return pl_ground_rock_out(rock, (pl_vec3){(double)at[0], (double)at[1], (double)at[2]});
+}
+
 /* Volume and the sum of the normals' areas of a rock's triangles, which vanishes for a closed mesh.
  */
-static double volume_of(const pl_ground_rocks *rocks, size_t k, pl_vec3 *open) {
+static double volume_of(const pl_ground_rock *rock, pl_vec3 *open) {
   double volume = 0.0;
   *open = (pl_vec3){0.0, 0.0, 0.0};
-  const float *zero = rocks->positions[rocks->triangles[rocks->first[k]][0]];
-  for (uint32_t t = rocks->first[k]; t < rocks->first[k + 1]; t++) {
+  for (int t = 0; t < rock->mesh->triangle_count; t++) {
     pl_vec3 p[3];
-    for (int c = 0; c < 3; c++) {
-      const float *at = rocks->positions[rocks->triangles[t][c]];
-      p[c] = (pl_vec3){(double)at[0] - (double)zero[0], (double)at[1] - (double)zero[1],
-                       (double)at[2] - (double)zero[2]};
-    }
+    for (int c = 0; c < 3; c++)
+      p[c] = corner_of(rock, t, c);
     const pl_vec3 n = pl_vec3_cross(pl_vec3_sub(p[1], p[0]), pl_vec3_sub(p[2], p[0]));
     *open = pl_vec3_add(*open, n);
     volume += pl_vec3_dot(p[0], n) / 6.0;
@@ -62,35 +76,58 @@ static double volume_of(const pl_ground_rocks *rocks, size_t k, pl_vec3 *open) {
   return volume;
 }
 
-static void check_mesh(const pl_ground_rocks *rocks, pl_vec3 origin) {
+/* Smooth normals of a rock against those of its triangles about each vertex. */
+static void check_normals(const pl_ground_rock *rock) {
+  enum { MOST = 10242 };
+  static pl_vec3 sums[MOST];
+  const pl_rock_mesh *mesh = rock->mesh;
+  for (int v = 0; v < mesh->vertex_count; v++)
+    sums[v] = (pl_vec3){0.0, 0.0, 0.0};
+  for (int t = 0; t < mesh->triangle_count; t++) {
+    const pl_vec3 p = corner_of(rock, t, 0);
+    const pl_vec3 n =
+        pl_vec3_cross(pl_vec3_sub(corner_of(rock, t, 1), p), pl_vec3_sub(corner_of(rock, t, 2), p));
+    for (int c = 0; c < 3; c++)
+      sums[mesh->triangles[t][c]] = pl_vec3_add(sums[mesh->triangles[t][c]], n);
+  }
+  for (int v = 0; v < mesh->vertex_count; v++) {
+    const float *n = mesh->normals[v];
+    const pl_vec3 own =
+        pl_ground_rock_normal(rock, (pl_vec3){(double)n[0], (double)n[1], (double)n[2]});
+    assert_true(pl_vec3_dot(pl_vec3_unit(own), pl_vec3_unit(sums[v])) > 1.0 - 1e-6);
+  }
+}
+
+static void check_rocks(const pl_ground_rocks *rocks) {
   for (size_t k = 0; k < rocks->count; k++) {
-    const pl_rock *rock = &rocks->rocks[k];
-    const double d = rock->diameter_m;
+    const pl_ground_rock *rock = &rocks->rocks[k];
+    const double d = rock->rock.diameter_m;
     pl_vec3 open;
-    const double volume = volume_of(rocks, k, &open);
+    const double volume = volume_of(rock, &open);
     /* An ellipsoid of axes 1, 1 and 0.6 has 0.31. */
     if (!(volume > 0.05 * d * d * d && volume < 0.75 * d * d * d))
-      fail_msg("rock of %g m, family %d: volume %g", d, (int)rock->family, volume);
+      fail_msg("rock of %g m, family %d: volume %g", d, (int)rock->rock.family, volume);
     assert_true(pl_vec3_norm(open) < 1e-3 * d * d);
-    for (uint32_t t = rocks->first[k]; t < rocks->first[k + 1]; t++) {
-      assert_int_equal(pl_ground_rocks_of(rocks, t), k);
+    check_normals(rock);
+    const uint32_t count = rocks->first[k + 1] - rocks->first[k];
+    assert_int_equal(count, rock->mesh->triangle_count);
+    assert_int_equal(pl_ground_rocks_of(rocks, rocks->first[k]), k);
+    assert_int_equal(pl_ground_rocks_of(rocks, rocks->first[k] + count - 1), k);
+    const pl_vec3 center = pl_vec3_sub(rock->rock.center, rocks->origin);
+    for (int t = 0; t < rock->mesh->triangle_count; t++)
       for (int c = 0; c < 3; c++) {
-        const uint32_t v = rocks->triangles[t][c];
-        assert_true(v < rocks->vertex_count);
-        const float *at = rocks->positions[v], *n = rocks->normals[v];
-        const pl_vec3 from =
-            pl_vec3_sub(pl_vec3_add((pl_vec3){(double)at[0], (double)at[1], (double)at[2]}, origin),
-                        rock->center);
-        assert_true(pl_vec3_norm(from) < 1.5 * d);
-        assert_true(fabs(sqrt((double)(n[0] * n[0] + n[1] * n[1] + n[2] * n[2])) - 1.0) < 1e-3);
+        const pl_vec3 p = corner_of(rock, t, c);
+        const pl_vec3 back = pl_ground_rock_out(rock, pl_ground_rock_in(rock, p));
+        assert_true(pl_vec3_norm(pl_vec3_sub(back, p)) < 1e-9 * d);
+        assert_true(pl_vec3_norm(pl_vec3_add(center, p)) <= rocks->radius_m);
       }
-    }
   }
 }
 
 static void test_meshes(void **state) {
   (void)state;
   world world = make(20.0, 0.3, 50.0);
+  pl_rock_meshes meshes = {0};
   size_t count = 0;
   for (uint8_t level = 14; level < 22; level++)
     for (uint32_t k = 0; k < 6; k++) {
@@ -100,15 +137,19 @@ static void test_meshes(void **state) {
       pl_ground_rocks *rocks = rocks_of(&world, id, &origin);
       if (rocks == NULL)
         continue;
+      link_all(rocks, &meshes, &world);
       const double cell_m = pl_cube_cell_m(level + PL_GROUND_TILE_SHIFT, RADIUS_M);
       count += rocks->count;
       assert_int_equal(rocks->first[rocks->count], rocks->triangle_count);
       for (size_t n = 0; n < rocks->count; n++)
-        assert_true(rocks->rocks[n].diameter_m >= 2.0 * cell_m * (1.0 - 1e-12));
-      check_mesh(rocks, origin);
+        assert_true(rocks->rocks[n].rock.diameter_m >= 2.0 * cell_m * (1.0 - 1e-12));
+      check_rocks(rocks);
       pl_ground_rocks_destroy(rocks);
     }
   assert_true(count > 50);
+  /* Rocks share meshes. */
+  assert_true(meshes.count < count);
+  pl_rock_meshes_clear(&meshes);
   clear(&world);
 }
 
@@ -127,9 +168,11 @@ static size_t compare(const world *world, pl_ground_tile_id id) {
     pl_ground_rocks *fine = rocks_of(world, inner, &origin);
     for (size_t n = 0; fine != NULL && n < fine->count; n++)
       for (size_t k = 0; k < coarse->count; k++)
-        if (coarse->rocks[k].id == fine->rocks[n].id) {
+        if (coarse->rocks[k].rock.id == fine->rocks[n].rock.id) {
           found++;
-          assert_memory_equal(&coarse->rocks[k].center, &fine->rocks[n].center, sizeof(pl_vec3));
+          assert_memory_equal(&coarse->rocks[k].rock.center, &fine->rocks[n].rock.center,
+                              sizeof(pl_vec3));
+          assert_ptr_equal(coarse->rocks[k].variant, fine->rocks[n].variant);
           assert_true(fine->first[n + 1] - fine->first[n] ==
                       4 * (coarse->first[k + 1] - coarse->first[k]));
         }
@@ -183,7 +226,7 @@ static void test_hard(void **state) {
   pl_ground_rocks *huge = rocks_of(&large, near, &origin);
   assert_non_null(huge);
   assert_int_equal(huge->triangle_count, 20480);
-  assert_true(huge->rocks[0].id == rocks[0].id && huge->radius_m > 10.0);
+  assert_true(huge->rocks[0].rock.id == rocks[0].id && huge->radius_m > 10.0);
   pl_ground_rocks_destroy(huge);
   pl_free(rocks);
   clear(&large);

@@ -3,15 +3,34 @@
 
 #include <math.h>
 
+#include "base/memory.h"
 #include "random.h"
 #include "terrain/rock_shape.h"
 
+static pl_rock_sphere *spheres;
+static pl_rock_variant *variants;
+
+static int open_shapes(void **state) {
+  (void)state;
+  assert_int_equal(pl_rock_spheres_create(&spheres), PL_OK);
+  assert_int_equal(pl_rock_variants_create(spheres, &variants), PL_OK);
+  return 0;
+}
+
+static int close_shapes(void **state) {
+  (void)state;
+  pl_free(variants);
+  pl_rock_spheres_destroy(spheres);
+  return 0;
+}
+
 static pl_rock_shape draw(test_random *random, int family) {
-  uint64_t words[4];
-  for (int k = 0; k < 4; k++)
+  uint64_t words[3];
+  for (int k = 0; k < 3; k++)
     words[k] = (uint64_t)(random_unit(random) * 0x1p53) * 2047u;
   pl_rock_shape shape;
-  pl_rock_shape_draw((pl_rock_family_kind)family, words, &shape);
+  pl_rock_shape_draw(variants, (pl_rock_family_kind)family, words, &shape);
+  assert_ptr_equal(shape.variant->family, &pl_rock_families[family]);
   return shape;
 }
 
@@ -32,30 +51,60 @@ static void test_points(void **state) {
     }
 }
 
-/* Plan diameters are 1; the 64 points that measure them miss at most a few percent. Heights over
+/* Plan diameters are 1, and extents along any axis those of many points, within 5 %. Heights over
  * plan diameters are about 0.6 for all families together (Demidov and Basilevsky 2014). */
 static void test_extent(void **state) {
   (void)state;
   test_random random = {.seed = 58};
   double sum = 0.0;
-  enum { EACH = 20 };
+  enum { EACH = 10, POINTS = 6000 };
   for (int family = 0; family < PL_ROCK_FAMILIES; family++)
     for (int k = 0; k < EACH; k++) {
       const pl_rock_shape shape = draw(&random, family);
+      const pl_vec3 axis = random_direction(&random);
       pl_vec3 low = {0.0, 0.0, 0.0}, high = low;
-      for (int n = 0; n < 2000; n++) {
+      double least = 0.0, most = 0.0, from, to;
+      for (int n = 0; n < POINTS; n++) {
         const pl_vec3 p = pl_rock_shape_point(&shape, random_direction(&random));
         low = (pl_vec3){fmin(low.x, p.x), fmin(low.y, p.y), fmin(low.z, p.z)};
         high = (pl_vec3){fmax(high.x, p.x), fmax(high.y, p.y), fmax(high.z, p.z)};
+        least = fmin(least, pl_vec3_dot(p, axis));
+        most = fmax(most, pl_vec3_dot(p, axis));
       }
       const double plan = sqrt((high.x - low.x) * (high.y - low.y));
-      if (!(plan > 0.97 && plan < 1.25))
-        fail_msg("%s: plan diameter %g", shape.family->name, plan);
+      if (!(plan > 0.97 && plan < 1.02))
+        fail_msg("%s: plan diameter %g", shape.variant->family->name, plan);
+      pl_rock_shape_extent(&shape, axis, &from, &to);
+      if (!(from < 0.95 * least && to > 0.95 * most && from > 1.04 * least && to < 1.04 * most))
+        fail_msg("%s: from %g to %g, points from %g to %g", shape.variant->family->name, from, to,
+                 least, most);
       sum += (high.z - low.z) / plan;
     }
   const double mean = sum / (PL_ROCK_FAMILIES * EACH);
   if (!(mean > 0.54 && mean < 0.66))
     fail_msg("mean height over plan diameter %g", mean);
+}
+
+/* The variants of a family differ, and so do rocks of one variant. */
+static void test_variants(void **state) {
+  (void)state;
+  const pl_vec3 along = pl_vec3_unit((pl_vec3){0.3, -0.5, 0.8});
+  for (int family = 0; family < PL_ROCK_FAMILIES; family++) {
+    double low = INFINITY, high = 0.0;
+    for (int k = 0; k < PL_ROCK_VARIANTS; k++) {
+      const pl_rock_variant *ball = &variants[family * PL_ROCK_VARIANTS + k];
+      assert_int_equal(ball->number, family * PL_ROCK_VARIANTS + k);
+      low = fmin(low, pl_rock_variant_radius(ball, along));
+      high = fmax(high, pl_rock_variant_radius(ball, along));
+    }
+    assert_true(high > 1.1 * low);
+  }
+  const uint64_t one[3] = {1, 2, 5}, other[3] = {3, 4, 5 + PL_ROCK_VARIANTS};
+  pl_rock_shape a, b;
+  pl_rock_shape_draw(variants, PL_ROCK_BLOCK, one, &a);
+  pl_rock_shape_draw(variants, PL_ROCK_BLOCK, other, &b);
+  assert_ptr_equal(a.variant, b.variant);
+  assert_true(a.axes.z / a.axes.x != b.axes.z / b.axes.x);
 }
 
 /* Every edge of a closed mesh is in two triangles, once in each direction. */
@@ -66,9 +115,9 @@ static void check_closed(const pl_rock_sphere *sphere) {
     balance[k] = degree[k] = 0;
   double volume = 0.0;
   for (int k = 0; k < sphere->triangle_count; k++) {
-    const uint16_t *t = sphere->triangles[k];
+    const uint32_t *t = sphere->triangles[k];
     for (int c = 0; c < 3; c++) {
-      const int from = t[c], to = t[(c + 1) % 3];
+      const int from = (int)t[c], to = (int)t[(c + 1) % 3];
       assert_true(from != to && from < sphere->vertex_count);
       /* Weights that no other edges cancel, but by chance. */
       balance[from] += to * 31 % 1009;
@@ -89,19 +138,17 @@ static void check_closed(const pl_rock_sphere *sphere) {
 
 static void test_spheres(void **state) {
   (void)state;
-  pl_rock_sphere *spheres;
-  assert_int_equal(pl_rock_spheres_create(&spheres), PL_OK);
   for (int lod = 0; lod < PL_ROCK_LODS; lod++) {
     assert_int_equal(spheres[lod].triangle_count, 20 << (2 * lod));
     check_closed(&spheres[lod]);
     assert_true(spheres[lod].scale > 1.0 && spheres[lod].scale < 1.2);
     assert_true(lod == 0 || spheres[lod].scale < spheres[lod - 1].scale);
   }
-  pl_rock_spheres_destroy(spheres);
 }
 
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(test_points), cmocka_unit_test(test_extent),
+                                     cmocka_unit_test(test_variants),
                                      cmocka_unit_test(test_spheres)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
+  return cmocka_run_group_tests(tests, open_shapes, close_shapes);
 }

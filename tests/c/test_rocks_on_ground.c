@@ -2,6 +2,8 @@
  */
 #include "grounds.h"
 
+#include <string.h>
+
 #include "base/memory.h"
 #include "terrain/rock_field.h"
 #include "trace/embree.h"
@@ -28,15 +30,19 @@ static pl_terrain *terrain_with(const pl_rock_field *rocks) {
   return terrain;
 }
 
-static void open_fixture(fixture *f, bool with_rocks) {
+static void open_world(fixture *f, const pl_rock_frame *frame, bool with_rocks) {
   *f = (fixture){0};
-  pl_rock_frame frame = pl_rock_frame_default(MOON_M);
-  frame.law = (pl_rock_law){.kind = PL_ROCKS_HAWORTH, .factor = 4.0};
-  frame.min_m = 0.3;
-  assert_int_equal(pl_rock_field_create(&frame, &f->rocks), PL_OK);
+  assert_int_equal(pl_rock_field_create(frame, &f->rocks), PL_OK);
   f->terrain = terrain_with(with_rocks ? f->rocks : NULL);
   assert_int_equal(pl_accelerators_create(&f->kept), PL_OK);
   pl_arena_init(&f->arena);
+}
+
+static void open_fixture(fixture *f, bool with_rocks) {
+  pl_rock_frame frame = pl_rock_frame_default(MOON_M);
+  frame.law = (pl_rock_law){.kind = PL_ROCKS_HAWORTH, .factor = 4.0};
+  frame.min_m = 0.3;
+  open_world(f, &frame, with_rocks);
   const pl_ground_tile_view view = ground_view(f->terrain, SOMEWHERE, 12.0, 0.0, 48);
   assert_int_equal(pl_height_field_build(f->kept, f->terrain, &view, 2, NULL, &f->arena, &f->field),
                    PL_OK);
@@ -71,7 +77,7 @@ static void check_hit(const pl_height_field *field, const struct RTCRayHit *ray,
                       const pl_rock *rock) {
   const uint32_t triangle = field->first_rocks[ray->hit.instID[0]] + ray->hit.primID;
   const pl_rock_hit hit = pl_height_field_rock(field, triangle);
-  assert_true(hit.rock->id == rock->id);
+  assert_true(hit.rock->rock.id == rock->id);
   pl_vec3 corners[3];
   pl_rock_hit_corners(field, &hit, corners);
   const float w[3] = {1.0f - ray->hit.u - ray->hit.v, ray->hit.u, ray->hit.v};
@@ -103,7 +109,7 @@ static void rocks_of_the_list_are_hit(void **state) {
     if (ray.hit.geomID != PL_TILE_ROCKS)
       continue; /* the ground of a coarse cell may lie over a deeply buried rock */
     const uint32_t triangle = f.field->first_rocks[ray.hit.instID[0]] + ray.hit.primID;
-    if (pl_height_field_rock(f.field, triangle).rock->id != rocks[k].id)
+    if (pl_height_field_rock(f.field, triangle).rock->rock.id != rocks[k].id)
       continue; /* a larger rock over it */
     check_hit(f.field, &ray, &rocks[k]);
     hits++;
@@ -111,6 +117,43 @@ static void rocks_of_the_list_are_hit(void **state) {
   if (!(hits > 0.8 * (double)count))
     fail_msg("%d of %zu rocks hit", hits, count);
   pl_free(rocks);
+  close_fixture(&f);
+}
+
+/* The law says how many rocks tiles will have; as many as made, over all tiles of a frame, within
+ * what chance and slopes leave. */
+static void rocks_are_expected(void **state) {
+  (void)state;
+  fixture f;
+  open_fixture(&f, true);
+  double expected = 0.0, made = 0.0;
+  for (size_t k = 0; k < f.field->count; k++) {
+    const pl_ground_tile *tile = f.field->tiles[k];
+    expected += pl_ground_rocks_expected(f.rocks, MOON_M, tile->id);
+    made += tile->rocks != NULL ? (double)tile->rocks->count : 0.0;
+  }
+  assert_true(expected > 100.0);
+  if (!(fabs(made - expected) < 4.0 * sqrt(expected) + 0.1 * expected))
+    fail_msg("%g rocks, %g expected", made, expected);
+  close_fixture(&f);
+}
+
+/* More than a frame may have are an error, before any is made. */
+static void too_many_rocks_are_refused(void **state) {
+  (void)state;
+  fixture f;
+  pl_rock_frame frame = pl_rock_frame_default(MOON_M);
+  frame.law =
+      (pl_rock_law){.kind = PL_ROCKS_POWER, .factor = 1.0, .coefficient = 0.55, .exponent = -2.0};
+  frame.min_m = 0.02;
+  frame.max_m = 0.035;
+  open_world(&f, &frame, true);
+  pl_ground_tile_view view = ground_view(f.terrain, SOMEWHERE, 40.0, 0.0, 5000);
+  view.limit = 1u << 20;
+  assert_int_equal(pl_height_field_build(f.kept, f.terrain, &view, 1, NULL, &f.arena, &f.field),
+                   PL_E_RANGE);
+  assert_non_null(strstr(pl_error_text(), "at most 2e+06: raise min_diameter_m or lower"));
+  assert_int_equal(pl_ground_tiles_used(f.kept).tiles, 0);
   close_fixture(&f);
 }
 
@@ -147,8 +190,8 @@ static void rocks_of_another_body_are_refused(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(rocks_of_the_list_are_hit),
-      cmocka_unit_test(rocks_are_counted),
+      cmocka_unit_test(rocks_of_the_list_are_hit),         cmocka_unit_test(rocks_are_expected),
+      cmocka_unit_test(too_many_rocks_are_refused),        cmocka_unit_test(rocks_are_counted),
       cmocka_unit_test(rocks_of_another_body_are_refused),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
