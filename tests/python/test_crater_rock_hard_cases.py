@@ -148,7 +148,7 @@ def test_rocks_of_50_m(off_nadir_deg: float) -> None:
         over_m = away - MOON_M - terrain.heights(seen / away[:, None])
         ring = row["direction"] + 0.5 * row["diameter_m"] / MOON_M * np.stack(_across(row))
         relief_m = np.ptp(terrain.heights(ring))
-        # Rows of pixels are up to 9 m apart; from above, rocks are seen down to where they are widest.
+        # Rows of pixels are up to 9 m apart; from above, rocks are seen down to their widest.
         assert -1.0 < over_m.min() < max(10.0, 0.6 * row["height_m"])
         assert 0.0 < over_m.max() < 1.15 * row["height_m"] + relief_m
         assert np.linalg.norm(seen - row["center_m"], axis=1).max() < 1.2 * row["diameter_m"]
