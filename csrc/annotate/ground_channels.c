@@ -87,8 +87,9 @@ void pl_write_rock_id(const pl_label_run *run, void *pixels) {
   const bool rocks = pl_surface_kind_of(run->surface_id) == PL_SURFACE_ROCKS;
   const pl_shot_body *body = rocks ? body_of(run) : NULL;
   for (size_t i = 0; i < run->count; i++)
-    out[i] =
-        rocks ? (int64_t)pl_height_field_rock(body->field, run->points[i].triangle).rock->rock.id : 0;
+    out[i] = rocks
+                 ? (int64_t)pl_height_field_rock(body->field, run->points[i].triangle).rock->rock.id
+                 : 0;
 }
 
 void pl_find_craters(pl_label_run *run) {
