@@ -9,6 +9,7 @@
 
 #include <stdint.h>
 
+#include "math/lattice.h"
 #include "math/vec.h"
 
 typedef struct pl_cellular {
@@ -29,8 +30,26 @@ float pl_cellular_edge(pl_vec3 point, float randomness, uint32_t seed, pl_cellul
  * outside the search range cause discontinuities below 1e-4. */
 float pl_cellular_smooth(pl_vec3 point, float randomness, float smoothness, uint32_t seed);
 
+/* The same of all lanes, with a randomness and a smoothness for each. The search of edge and smooth
+ * gives `cell` too. count: lanes in use, of which alone smooth takes exponentials; the others are
+ * those of lane 0. */
+typedef struct pl_cellular_lanes {
+  float first[PL_LANES], second[PL_LANES], to_site[3][PL_LANES];
+  uint32_t id[PL_LANES];
+} pl_cellular_lanes;
+void pl_cellular_find_lanes(const pl_point_lanes *points, const float randomness[PL_LANES],
+                            uint32_t seed, pl_cellular_lanes *cell);
+void pl_cellular_edge_lanes(const pl_point_lanes *points, const float randomness[PL_LANES],
+                            uint32_t seed, pl_cellular_lanes *cell, float out[PL_LANES]);
+void pl_cellular_smooth_lanes(size_t count, const pl_point_lanes *points,
+                              const float randomness[PL_LANES], const float smoothness[PL_LANES],
+                              uint32_t seed, pl_cellular_lanes *cell, float out[PL_LANES]);
+
 /* Three uniform numbers in [0, 1) for an id, independent of the position of its site. */
-pl_vec3f pl_cellular_color(uint32_t id);
+PL_WIDE_PART pl_vec3f pl_cellular_color(uint32_t id) {
+  return pl_vec3f_make(pl_lattice_uniform(id, 3), pl_lattice_uniform(id, 4),
+                       pl_lattice_uniform(id, 5));
+}
 
 /* Spatial means as a function of randomness; measured, within 5e-4 (0.4803 and 1/8 are exact at 0).
  */
@@ -41,9 +60,19 @@ float pl_cellular_mean_smooth(float randomness, float smoothness); /* within 2e-
 
 /* Factor on the deviation from the mean over a footprint, a disc with a diameter of `width` cells,
  * as in pl_noise_fade: for distances and colours, and for edge distances. */
-float pl_cellular_fade(float width);
-float pl_cellular_edge_fade(float width);
 #define PL_CELLULAR_WIDEST 2.5f
 #define PL_CELLULAR_EDGE_WIDEST 1.5f
+/* Over discs in random planes at randomness 1, the best factor for the first distance was measured
+ * as 0.95 at a width of 0.3, 0.64 at 0.9, 0.38 at 1.45, 0.17 at 1.8; those for the second distance
+ * and for colours are higher by up to 0.1. The curve is within 0.15 of all of them. */
+PL_WIDE_PART float pl_cellular_fade(float width) {
+  const float u = width * (1.0f / PL_CELLULAR_WIDEST);
+  const float rest = 1.0f - u * u;
+  return u < 1.0f ? rest * rest * rest : 0.0f;
+}
+/* Edge distances have half the wavelength. */
+PL_WIDE_PART float pl_cellular_edge_fade(float width) {
+  return pl_cellular_fade(width * (PL_CELLULAR_WIDEST / PL_CELLULAR_EDGE_WIDEST));
+}
 
 #endif

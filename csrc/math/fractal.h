@@ -39,10 +39,14 @@ typedef enum pl_fractal_kind {
   PL_FRACTAL_KINDS
 } pl_fractal_kind;
 
+/* Point and footprint width in cells of the first octave; of all lanes, with the same bits. */
 typedef float (*pl_fractal_fn)(const pl_fractal *fractal, pl_vec3 point, float width);
+typedef void (*pl_fractal_lanes_fn)(const pl_fractal *fractal, const pl_point_lanes *points,
+                                    const float width[PL_LANES], float out[PL_LANES]);
 typedef struct pl_fractal_row {
   const char *name, *doc;
-  pl_fractal_fn evaluate; /* point and footprint width in cells of the first octave */
+  pl_fractal_fn evaluate;
+  pl_fractal_lanes_fn evaluate_lanes;
 } pl_fractal_row;
 extern const pl_fractal_row pl_fractal_rows[PL_FRACTAL_KINDS];
 

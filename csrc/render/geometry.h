@@ -42,6 +42,10 @@ typedef struct pl_geometry_kind {
   pl_vec3f (*smooth_normal)(const pl_snapshot *shot, const pl_vertex *vertex);
   /* Fills the surface of a located vertex, before it is turned to the viewer's side. */
   void (*shade)(const pl_snapshot *shot, const pl_beam *beam, pl_detail detail, pl_vertex *vertex);
+  /* The same of up to PL_SHADE_RUN vertices, where several together cost less; NULL: `shade`, which
+   * is NULL otherwise. */
+  void (*shade_run)(const pl_snapshot *shot, pl_detail detail, const pl_vertex_view *run,
+                    size_t count);
   /* Changes the geometric normal of a shaded vertex, on the viewer's side, to that of the surface
    * which secondary rays leave; NULL if they leave the surface itself. */
   void (*set_horizon)(const pl_snapshot *shot, pl_vertex *vertex);

@@ -70,12 +70,12 @@ pl_vec3f pl_mesh_smooth_normal(const pl_snapshot *shot, const pl_vertex *vertex)
                         vertex->ng);
 }
 
-/* Evaluates the surface's graph. Without maps its footprint is infinite, so that patterns are
- * replaced by their means. */
-static void shade_graph(const pl_shot_object *object, const pl_object_graph *graph,
-                        const pl_triangle_point *triangle, pl_detail detail, const pl_beam *beam,
-                        pl_vertex *vertex) {
-  pl_surface *s = &vertex->surface;
+/* The point of a graph. Without maps its footprint is infinite, so that patterns are replaced by
+ * their means. */
+static pl_graph_point graph_point(const pl_shot_object *object, const pl_triangle_point *triangle,
+                                  pl_detail detail, const pl_vertex_view *at) {
+  const pl_vertex *vertex = at->vertex;
+  const pl_surface *s = &vertex->surface;
   /* A circle with the area of the pixel's parallelogram. */
   const float area = pl_vec3f_norm(triangle->footprint_a) * pl_vec3f_norm(triangle->footprint_b);
   pl_graph_point point = {
@@ -84,7 +84,7 @@ static void shade_graph(const pl_shot_object *object, const pl_object_graph *gra
       .b = s->b,
       .n = s->n,
       .ng = vertex->ng,
-      .view = pl_vec3_to_float(pl_vec3_scale(beam->direction, -1.0)),
+      .view = pl_vec3_to_float(pl_vec3_scale(at->beam->direction, -1.0)),
       .filter = detail.filter,
       .bumps = detail.bumps,
       .radius = detail.maps ? sqrtf(area / PL_PI_F) : INFINITY,
@@ -95,8 +95,66 @@ static void shade_graph(const pl_shot_object *object, const pl_object_graph *gra
       .scale = (float)object->scale,
   };
   point.object = pl_graph_point_object(&point);
-  const pl_value *own = object->parameters;
-  pl_graph_surface(graph->graph, &point, own != NULL ? own + graph->first_parameter : NULL, s);
+  return point;
+}
+
+/* Points of one graph with one set of parameters. */
+typedef struct graph_batch {
+  const pl_shot_object *object;
+  const pl_object_graph *graph;
+  pl_graph_point points[PL_LANES];
+  pl_surface *surfaces[PL_LANES];
+  size_t count;
+} graph_batch;
+
+static void shade_batch(graph_batch *batch) {
+  const pl_value *own = batch->object->parameters;
+  pl_graph_surfaces(batch->graph->graph, batch->points, batch->count,
+                    own != NULL ? own + batch->graph->first_parameter : NULL, batch->surfaces);
+  batch->count = 0;
+}
+
+/* What a vertex of a mesh is, before its graph is evaluated. */
+typedef struct mesh_shading {
+  const pl_shot_object *object;
+  const pl_object_graph *graph; /* NULL: none, or evaluated */
+  pl_triangle_point triangle;
+} mesh_shading;
+
+/* Sets the frame, and the surface of the model's material where that is seen. */
+static mesh_shading start_shading(const pl_snapshot *shot, pl_detail detail,
+                                  const pl_vertex_view *at) {
+  pl_vertex *vertex = at->vertex;
+  const pl_shot_object *object = pl_shot_object_of(shot, vertex->surface_id);
+  mesh_shading out = {.object = object,
+                      .triangle = {.triangle = vertex->triangle,
+                                   .w = {vertex->w[0], vertex->w[1], vertex->w[2]},
+                                   .edge1 = vertex->edge1,
+                                   .edge2 = vertex->edge2}};
+  pl_shot_frame(object, vertex->triangle, vertex->w, vertex->ng, &vertex->surface);
+  pl_vertex_footprint(vertex, at->beam, &out.triangle.footprint_a, &out.triangle.footprint_b);
+  out.graph = pl_object_materials_at(object->object->materials, vertex->triangle);
+  if (out.graph == NULL || pl_graph_wraps(out.graph->graph))
+    pl_material_surface(object->object->model, &out.triangle, detail, &vertex->surface);
+  return out;
+}
+
+/* Evaluates the graph of vertex `first` at all that have the same, as many at a time as there are
+ * lanes. */
+static void shade_graph(pl_detail detail, const pl_vertex_view *run, mesh_shading *meshes,
+                        size_t first, size_t count) {
+  graph_batch batch = {.object = meshes[first].object, .graph = meshes[first].graph};
+  for (size_t i = first; i < count; i++) {
+    if (meshes[i].graph != batch.graph || meshes[i].object != batch.object)
+      continue;
+    meshes[i].graph = NULL;
+    batch.points[batch.count] = graph_point(batch.object, &meshes[i].triangle, detail, &run[i]);
+    batch.surfaces[batch.count++] = &run[i].vertex->surface;
+    if (batch.count == PL_LANES)
+      shade_batch(&batch);
+  }
+  if (batch.count > 0)
+    shade_batch(&batch);
 }
 
 /* Whether the beam sees the back of a material that emits from its front only. */
@@ -105,23 +163,17 @@ static bool is_dark(const pl_shot_object *object, const pl_beam *beam, const pl_
          pl_vec3_dot(pl_vec3f_to_double(vertex->ng), beam->direction) > 0.0;
 }
 
-static void shade_mesh(const pl_snapshot *shot, const pl_beam *beam, pl_detail detail,
-                       pl_vertex *vertex) {
-  const pl_shot_object *object = pl_shot_object_of(shot, vertex->surface_id);
-  pl_shot_frame(object, vertex->triangle, vertex->w, vertex->ng, &vertex->surface);
-  pl_triangle_point point = {.triangle = vertex->triangle,
-                             .w = {vertex->w[0], vertex->w[1], vertex->w[2]},
-                             .edge1 = vertex->edge1,
-                             .edge2 = vertex->edge2};
-  pl_vertex_footprint(vertex, beam, &point.footprint_a, &point.footprint_b);
-  const pl_object_graph *graph =
-      pl_object_materials_at(object->object->materials, vertex->triangle);
-  if (graph == NULL || pl_graph_wraps(graph->graph))
-    pl_material_surface(object->object->model, &point, detail, &vertex->surface);
-  if (graph != NULL)
-    shade_graph(object, graph, &point, detail, beam, vertex);
-  if (is_dark(object, beam, vertex))
-    vertex->surface.emission = (pl_vec3f){0.0f, 0.0f, 0.0f};
+static void shade_meshes(const pl_snapshot *shot, pl_detail detail, const pl_vertex_view *run,
+                         size_t count) {
+  mesh_shading meshes[PL_SHADE_RUN];
+  for (size_t i = 0; i < count; i++)
+    meshes[i] = start_shading(shot, detail, &run[i]);
+  for (size_t i = 0; i < count; i++)
+    if (meshes[i].graph != NULL)
+      shade_graph(detail, run, meshes, i, count);
+  for (size_t i = 0; i < count; i++)
+    if (is_dark(meshes[i].object, run[i].beam, run[i].vertex))
+      run[i].vertex->surface.emission = (pl_vec3f){0.0f, 0.0f, 0.0f};
 }
 
 /* Offset of secondary rays from a mesh, over its radius: about sixteen rounding errors of its
@@ -174,7 +226,7 @@ const pl_geometry_kind pl_geometry_mesh = {
     .cover = pl_coverage_object,
     .locate = pl_mesh_locate,
     .smooth_normal = pl_mesh_smooth_normal,
-    .shade = shade_mesh,
+    .shade_run = shade_meshes,
     .leave = pl_mesh_leave,
     .set_spot = pl_mesh_set_spot,
     .label = pl_mesh_label,

@@ -316,14 +316,12 @@ static bool look_on(const pl_path_context *context, const pl_path *path, const p
   return *way != PL_CONTINUATION_NONE;
 }
 
-/* Shades the located hit of path `i`; the continued path is stored at index `kept` <= i. */
+/* Collects light at the shaded hit of path `i`; the continued path is stored at index `kept` <= i.
+ */
 static void shade_hit(const pl_path_context *context, int bounce, size_t i, pl_vertex *vertex,
                       size_t *kept, size_t *queued, pl_tile_buffers *b) {
   pl_path path = b->paths[i];
   const vertex_draws u = draws_of(b, i);
-  pl_detail detail = context->settings->detail;
-  detail.sub_cell = detail.sub_cell && bounce == 0; /* what lights others is seen from all sides */
-  pl_vertex_shade(context->shot, &path.beam, detail, vertex);
   if (bounce == 0)
     pl_reflectance_lod_apply(context->shot, context->settings, vertex);
   pl_surface *s = &vertex->surface;
@@ -396,22 +394,47 @@ static bool is_subpixel(const pl_path_context *context, pl_surface_id id) {
   return dot && !context->settings->see_subpixel;
 }
 
-/* Shades the hit of path `i`, of any kind. */
-static void visit_hit(const pl_path_context *context, int bounce, size_t i, size_t *kept,
-                      size_t *queued, pl_tile_buffers *b) {
-  const uint32_t pixel = b->paths[i].pixel;
-  pl_vertex vertex;
-  if (bounce == 0 && is_subpixel(context, b->hits[i].surface_id))
-    return; /* its light is computed in frame/subpixel_bodies.h */
-  if (is_prefiltered(b, bounce, i)) {
+/* Whether the surface that path `i` hits is shaded at the hit. */
+static bool is_shaded(const pl_path_context *context, int bounce, size_t i,
+                      const pl_tile_buffers *b) {
+  const pl_surface_id id = b->hits[i].surface_id;
+  return !pl_surface_is_none(id) && !(bounce == 0 && is_subpixel(context, id)) &&
+         !is_prefiltered(b, bounce, i);
+}
+
+/* Locates and shades the hits of paths `first` to `end`; vertex i - first of `b` is that of path i.
+ */
+static void shade_hits(const pl_path_context *context, int bounce, size_t first, size_t end,
+                       pl_tile_buffers *b) {
+  pl_vertex_view run[PL_SHADE_RUN];
+  size_t count = 0;
+  for (size_t i = first; i < end; i++) {
+    pl_vertex *vertex = &b->vertices[i - first];
+    pl_beam *beam = &b->paths[i].beam;
+    if (!is_shaded(context, bounce, i, b))
+      continue;
+    pl_vertex_locate(context->shot, beam, &b->hits[i], false, vertex);
+    if (bounce == 0 && context->shot->camera.aperture_m > 0.0)
+      pl_focus_widen(context->shot, context->settings->samples, vertex->t, beam);
+    run[count++] = (pl_vertex_view){beam, vertex};
+  }
+  pl_detail detail = context->settings->detail;
+  detail.sub_cell = detail.sub_cell && bounce == 0; /* what lights others is seen from all sides */
+  pl_vertex_shade_run(context->shot, detail, run, count);
+}
+
+/* Collects light at the hit of path `i`, of any kind, or beyond the scene. */
+static void visit_hit(const pl_path_context *context, int bounce, size_t i, pl_vertex *vertex,
+                      size_t *kept, size_t *queued, pl_tile_buffers *b) {
+  if (pl_surface_is_none(b->hits[i].surface_id)) {
+    shade_miss(context, bounce, &b->paths[i], b);
+  } else if (is_shaded(context, bounce, i, b)) {
+    shade_hit(context, bounce, i, vertex, kept, queued, b);
+  } else if (is_prefiltered(b, bounce, i) && !is_subpixel(context, b->hits[i].surface_id)) {
+    const uint32_t pixel = b->paths[i].pixel;
     add(&b->sample[pixel], b->prefiltered[pixel]);
     follow_prefiltered(context, i, kept, b);
-    return;
-  }
-  pl_vertex_locate(context->shot, &b->paths[i].beam, &b->hits[i], false, &vertex);
-  if (bounce == 0 && context->shot->camera.aperture_m > 0.0)
-    pl_focus_widen(context->shot, context->settings->samples, vertex.t, &b->paths[i].beam);
-  shade_hit(context, bounce, i, &vertex, kept, queued, b);
+  } /* else its light is computed in frame/subpixel_bodies.h */
 }
 
 /* Draws the random numbers of a wave. Where each pixel has few samples that the irradiance filter
@@ -443,11 +466,11 @@ static size_t shade_wave(const pl_path_context *context, uint32_t index, int bou
     pl_media_apply(context, bounce, count, b);
   else if (context->settings->air != NULL)
     pl_air_apply(context, bounce, count, b);
-  for (size_t i = 0; i < count; i++) {
-    if (pl_surface_is_none(b->hits[i].surface_id))
-      shade_miss(context, bounce, &b->paths[i], b);
-    else
-      visit_hit(context, bounce, i, &kept, &queued, b);
+  for (size_t first = 0; first < count; first += PL_SHADE_RUN) {
+    const size_t end = first + PL_SHADE_RUN < count ? first + PL_SHADE_RUN : count;
+    shade_hits(context, bounce, first, end, b);
+    for (size_t i = first; i < end; i++)
+      visit_hit(context, bounce, i, &b->vertices[i - first], &kept, &queued, b);
   }
   pl_tracer_occluded(context->tracer, b->shadow_rays, b->occluded, queued, bounce == 0);
   for (size_t i = 0; i < queued; i++)

@@ -61,6 +61,7 @@ typedef struct pl_tile_buffers {
   pl_path paths[PL_TILE_PIXELS];
   pl_ray rays[PL_TILE_PIXELS];
   pl_hit hits[PL_TILE_PIXELS];
+  pl_vertex vertices[PL_SHADE_RUN]; /* of the paths that are shaded together */
   pl_pending pending[PL_TILE_SHADOWS];
   pl_ray shadow_rays[PL_TILE_SHADOWS];
   bool occluded[PL_TILE_SHADOWS];

@@ -67,14 +67,46 @@ void pl_vertex_orient(const pl_snapshot *shot, const pl_beam *beam, pl_vertex *v
     vertex->surface.n = bring_back(vertex->surface.n, cosine, view);
 }
 
+/* Shades the vertices from `first` on that are of its kind, which shades several together. */
+static void shade_kind(const pl_snapshot *shot, pl_detail detail, const pl_vertex_view *run,
+                       size_t first, size_t count, bool *done) {
+  const pl_geometry_kind *kind = pl_geometry_of(run[first].vertex->surface_id);
+  pl_vertex_view same[PL_SHADE_RUN];
+  size_t size = 0;
+  for (size_t i = first; i < count; i++)
+    if (pl_geometry_of(run[i].vertex->surface_id) == kind) {
+      same[size++] = run[i];
+      done[i] = true;
+    }
+  kind->shade_run(shot, detail, same, size);
+}
+
+void pl_vertex_shade_run(const pl_snapshot *shot, pl_detail detail, const pl_vertex_view *run,
+                         size_t count) {
+  bool done[PL_SHADE_RUN] = {false};
+  for (size_t i = 0; i < count; i++)
+    run[i].vertex->surface.rough = (pl_rough){0};
+  for (size_t i = 0; i < count; i++) {
+    const pl_geometry_kind *kind = pl_geometry_of(run[i].vertex->surface_id);
+    if (kind->shade_run == NULL)
+      kind->shade(shot, run[i].beam, detail, run[i].vertex);
+    else if (!done[i])
+      shade_kind(shot, detail, run, i, count, done);
+  }
+  for (size_t i = 0; i < count; i++) {
+    pl_vertex *vertex = run[i].vertex;
+    const pl_geometry_kind *kind = pl_geometry_of(vertex->surface_id);
+    face_viewer(&vertex->surface, vertex->ng,
+                pl_vec3_to_float(pl_vec3_scale(run[i].beam->direction, -1.0)));
+    if (kind->set_horizon != NULL)
+      kind->set_horizon(shot, vertex);
+  }
+}
+
 void pl_vertex_shade(const pl_snapshot *shot, const pl_beam *beam, pl_detail detail,
                      pl_vertex *vertex) {
-  const pl_geometry_kind *kind = pl_geometry_of(vertex->surface_id);
-  vertex->surface.rough = (pl_rough){0};
-  kind->shade(shot, beam, detail, vertex);
-  face_viewer(&vertex->surface, vertex->ng, pl_vec3_to_float(pl_vec3_scale(beam->direction, -1.0)));
-  if (kind->set_horizon != NULL)
-    kind->set_horizon(shot, vertex);
+  const pl_vertex_view alone = {beam, vertex};
+  pl_vertex_shade_run(shot, detail, &alone, 1);
 }
 
 pl_ray pl_vertex_ray(const pl_vertex *vertex, const pl_snapshot *shot, pl_vec3f direction,

@@ -45,6 +45,16 @@ void pl_vertex_orient(const pl_snapshot *shot, const pl_beam *beam, pl_vertex *v
 void pl_vertex_shade(const pl_snapshot *shot, const pl_beam *beam, pl_detail detail,
                      pl_vertex *vertex);
 
+/* A located vertex to shade, and the beam that met it. */
+typedef struct pl_vertex_view {
+  const pl_beam *beam;
+  pl_vertex *vertex;
+} pl_vertex_view;
+enum { PL_SHADE_RUN = 2 * PL_LANES };
+/* pl_vertex_shade of up to PL_SHADE_RUN vertices: material graphs cost less for several points. */
+void pl_vertex_shade_run(const pl_snapshot *shot, pl_detail detail, const pl_vertex_view *run,
+                         size_t count);
+
 /* The ellipse of the cone on the tangent plane of a located vertex: its axes (full lengths) across
  * and along the projection of the view direction, m, root axes. */
 void pl_vertex_footprint(const pl_vertex *vertex, const pl_beam *beam, pl_vec3f *across,

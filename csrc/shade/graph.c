@@ -9,46 +9,71 @@
 #include "shade/graph_program.h"
 #include "shade/node_rows.h"
 
-/* Evaluates all instructions of a program; results are in `registers`. */
-static void run(const pl_graph *graph, const pl_program *program, const pl_graph_point *point,
-                const pl_value *params, pl_value registers[PL_GRAPH_REGISTERS]) {
-  pl_node_call call = {.point = point, .graph = graph, .params = params};
-  for (size_t i = 0; i < program->count; i++) {
-    const pl_instruction *instruction = &program->instructions[i];
+/* Points that a program is run at. */
+typedef struct batch {
+  const pl_graph_point *points;
+  size_t count; /* 1..PL_LANES */
+  const pl_value *params;
+} batch;
+
+/* Lanes of an operand; `room`: where those of a parameter are put. */
+static const pl_lanes *operand_lanes(const pl_graph *graph, const pl_value *params,
+                                     const pl_lanes *registers, pl_operand operand,
+                                     pl_lanes *room) {
+  if (operand.bank == PL_BANK_REGISTER)
+    return &registers[operand.index];
+  if (operand.bank == PL_BANK_CONSTANT)
+    return (const pl_lanes *)&graph->spread[operand.index];
+  pl_value_spread(params[operand.index], *room);
+  return (const pl_lanes *)room;
+}
+
+/* Evaluates all instructions of a program, each at all points; results are in `registers`. */
+static void run(const pl_graph *graph, const pl_program *program, const batch *at,
+                pl_lanes registers[PL_GRAPH_REGISTERS]) {
+  pl_node_call call = {.points = at->points, .graph = graph, .params = at->params};
+  pl_lanes room[PL_NODE_SOCKETS];
+  for (size_t n = 0; n < program->count; n++) {
+    const pl_instruction *instruction = &program->instructions[n];
     const pl_node_kind *kind = instruction->kind;
     for (size_t k = 0; k < kind->input_count; k++)
       call.in[k] = (kind->lazy >> k & 1u) != 0
                        ? NULL
-                       : pl_operand_value(graph, params, registers, instruction->in[k]);
+                       : operand_lanes(graph, at->params, registers, instruction->in[k], &room[k]);
+    for (size_t k = kind->input_count; k < PL_NODE_SOCKETS; k++)
+      call.in[k] = NULL;
+    call.count = pl_instruction_is_uniform(instruction) ? 1 : at->count;
     call.constants = instruction->constants;
     call.instruction = instruction;
     call.given = instruction->given;
+    call.uniform = instruction->uniform;
     call.out = registers + instruction->out;
     kind->evaluate(&call);
   }
 }
 
 /* Evaluates a program that has a single output. */
-static void run_lazy(const pl_graph *graph, pl_operand input, const pl_graph_point *point,
-                     const pl_value *params, pl_value out) {
-  pl_value registers[PL_GRAPH_REGISTERS];
+static void run_lazy(const pl_graph *graph, pl_operand input, const batch *at, pl_lanes out) {
+  pl_lanes registers[PL_GRAPH_REGISTERS], room;
   const pl_program *program = &graph->programs[input.index];
-  run(graph, program, point, params, registers);
-  memcpy(out, pl_operand_value(graph, params, registers, program->outputs[0]), sizeof(pl_value));
+  run(graph, program, at, registers);
+  memcpy(out, operand_lanes(graph, at->params, registers, program->outputs[0], &room), sizeof room);
 }
 
-void pl_node_input_at(const pl_node_call *call, size_t input, const pl_graph_point *point,
-                      pl_value out) {
-  run_lazy(call->graph, call->instruction->in[input], point, call->params, out);
+void pl_node_input_at(const pl_node_call *call, size_t input, const pl_graph_point *points,
+                      size_t count, pl_lanes out) {
+  const batch at = {points, count, call->params};
+  run_lazy(call->graph, call->instruction->in[input], &at, out);
 }
 
 bool pl_graph_cuts(const pl_graph *graph) { return graph->cuts; }
 bool pl_graph_absent(const pl_graph *graph) { return graph->absent; }
 
 float pl_graph_alpha(const pl_graph *graph, const pl_graph_point *point, const pl_value *params) {
-  pl_value alpha;
-  run_lazy(graph, graph->programs[0].outputs[PL_SURFACE_ALPHA], point, params, alpha);
-  return alpha[0];
+  pl_lanes alpha;
+  const batch at = {point, 1, params};
+  run_lazy(graph, graph->programs[0].outputs[PL_SURFACE_ALPHA], &at, alpha);
+  return alpha[0][0];
 }
 
 bool pl_graph_is_there(const pl_graph *graph, const pl_graph_point *point, const pl_value *params) {
@@ -57,15 +82,19 @@ bool pl_graph_is_there(const pl_graph *graph, const pl_graph_point *point, const
 
 void pl_graph_evaluate(const pl_graph *graph, const pl_graph_point *point, const pl_value *params,
                        pl_value out[PL_NODE_SOCKETS]) {
-  pl_value registers[PL_GRAPH_REGISTERS];
+  pl_lanes registers[PL_GRAPH_REGISTERS];
   const pl_program *program = &graph->programs[0];
-  run(graph, program, point, params, registers);
+  const batch at = {point, 1, params};
+  run(graph, program, &at, registers);
   for (size_t k = 0; k < pl_node_input_count(graph->surface); k++)
-    if ((graph->surface->lazy >> k & 1u) != 0)
-      run_lazy(graph, program->outputs[k], point, params, out[k]);
-    else
-      memcpy(out[k], pl_operand_value(graph, params, registers, program->outputs[k]),
-             sizeof(pl_value));
+    if ((graph->surface->lazy >> k & 1u) != 0) {
+      pl_lanes value;
+      run_lazy(graph, program->outputs[k], &at, value);
+      for (size_t i = 0; i < 4; i++)
+        out[k][i] = value[i][0];
+    } else {
+      pl_operand_value(graph, params, registers, program->outputs[k], 0, out[k]);
+    }
 }
 
 bool pl_graph_wraps(const pl_graph *graph) { return graph->wrap; }
@@ -94,12 +123,14 @@ bool pl_graph_emits_evenly(const pl_graph *graph) {
 
 pl_vec3f pl_graph_emission(const pl_graph *graph, const pl_graph_point *point,
                            const pl_value *params) {
-  pl_value registers[PL_GRAPH_REGISTERS];
+  pl_lanes registers[PL_GRAPH_REGISTERS];
+  pl_value color, strength;
   const pl_program *program = &graph->programs[graph->emission];
-  run(graph, program, point, params, registers);
-  return cut3(pl_operand_value(graph, params, registers, program->outputs[0]),
-              pl_operand_value(graph, params, registers, program->outputs[1])[0],
-              (float)PL_EMISSION_MAX);
+  const batch at = {point, 1, params};
+  run(graph, program, &at, registers);
+  pl_operand_value(graph, params, registers, program->outputs[0], 0, color);
+  pl_operand_value(graph, params, registers, program->outputs[1], 0, strength);
+  return cut3(color, strength[0], (float)PL_EMISSION_MAX);
 }
 
 /* Rotates the frame to a normal, which is kept on the surface's side as with normal maps. */
@@ -123,11 +154,10 @@ static pl_surface_inputs own_inputs(const pl_graph *graph) {
                              .differs = graph->differs >> PL_SURFACE_SOCKETS};
 }
 
-/* Sets the inputs of the reflectance model; the frame already has the bumped normal. */
-static void set_own(const pl_graph *graph, const pl_value *params, const pl_value *registers,
-                    pl_surface *surface) {
+/* Sets the inputs of the reflectance model; the frame already has the bumped normal.
+ * v: values of the surface's inputs. */
+static void set_own(const pl_graph *graph, pl_value *v, pl_surface *surface) {
   const pl_reflectance *row = graph->surface->reflectance;
-  const pl_operand *outputs = graph->programs[0].outputs + PL_SURFACE_SOCKETS;
   pl_surface_inputs in = own_inputs(graph);
   in.had_lobes = surface->reflectance != NULL && surface->reflectance->layered;
   in.had_regolith = surface->reflectance != NULL && surface->reflectance->photometric;
@@ -135,17 +165,12 @@ static void set_own(const pl_graph *graph, const pl_value *params, const pl_valu
   if (row->set == NULL)
     return;
   for (size_t k = 0; k < row->input_count; k++)
-    in.value[k] = pl_operand_value(graph, params, registers, outputs[k]);
+    in.value[k] = v[PL_SURFACE_SOCKETS + k];
   row->set(&in, surface);
 }
 
-void pl_graph_surface(const pl_graph *graph, const pl_graph_point *point, const pl_value *params,
-                      pl_surface *surface) {
-  pl_value registers[PL_GRAPH_REGISTERS];
-  const float *v[PL_SURFACE_ALPHA];
-  run(graph, &graph->programs[0], point, params, registers);
-  for (size_t k = 0; k < PL_SURFACE_ALPHA; k++)
-    v[k] = pl_operand_value(graph, params, registers, graph->programs[0].outputs[k]);
+/* The surface from the values of its inputs. */
+static void set_surface(const pl_graph *graph, pl_value *v, pl_surface *surface) {
   if (!graph->wrap)
     *surface = (pl_surface){
         .t = surface->t, .b = surface->b, .n = surface->n, .ng = surface->ng, .alpha = 1.0f};
@@ -156,7 +181,26 @@ void pl_graph_surface(const pl_graph *graph, const pl_graph_point *point, const 
                              (float)PL_EMISSION_MAX);
   if (gives(graph, PL_SURFACE_NORMAL))
     bend(v[PL_SURFACE_NORMAL], surface);
-  set_own(graph, params, registers, surface);
+  set_own(graph, v, surface);
+}
+
+void pl_graph_surfaces(const pl_graph *graph, const pl_graph_point *points, size_t count,
+                       const pl_value *params, pl_surface *const *surfaces) {
+  pl_lanes registers[PL_GRAPH_REGISTERS];
+  pl_value v[PL_NODE_SOCKETS];
+  const batch at = {points, count, params};
+  run(graph, &graph->programs[0], &at, registers);
+  for (size_t i = 0; i < count; i++) {
+    for (size_t k = 0; k < pl_node_input_count(graph->surface); k++)
+      if ((graph->surface->lazy >> k & 1u) == 0)
+        pl_operand_value(graph, params, registers, graph->programs[0].outputs[k], i, v[k]);
+    set_surface(graph, v, surfaces[i]);
+  }
+}
+
+void pl_graph_surface(const pl_graph *graph, const pl_graph_point *point, const pl_value *params,
+                      pl_surface *surface) {
+  pl_graph_surfaces(graph, point, 1, params, &surface);
 }
 
 /* Value of an input of the surface if it is a folded constant, or NULL. */

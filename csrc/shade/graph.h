@@ -50,6 +50,9 @@ void pl_graph_evaluate(const pl_graph *graph, const pl_graph_point *point, const
  * metalness and roughness are clamped to 0..1, emission to 0..PL_EMISSION_MAX; NaN becomes 0. */
 void pl_graph_surface(const pl_graph *graph, const pl_graph_point *point, const pl_value *params,
                       pl_surface *surface);
+/* The same at `count` points, at most PL_LANES, and faster than one by one. */
+void pl_graph_surfaces(const pl_graph *graph, const pl_graph_point *points, size_t count,
+                       const pl_value *params, pl_surface *const *surfaces);
 bool pl_graph_wraps(const pl_graph *graph);
 /* True if the graph, rather than the model's material, sets the surface's emission. */
 bool pl_graph_sets_emission(const pl_graph *graph);

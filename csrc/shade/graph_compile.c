@@ -15,6 +15,7 @@ typedef struct builder {
   int depth;                                /* nesting depth of lazy inputs */
   pl_operand (*made)[PL_NODE_OUTPUTS]; /* per node: operands of its outputs, valid if is_made */
   bool *is_made;                       /* per node: already compiled */
+  bool is_uniform[PL_GRAPH_REGISTERS]; /* per register: the same in all lanes */
 } builder;
 
 /* --- checks ----------------------------------------------------------------------------------- */
@@ -139,13 +140,18 @@ static pl_status add_constant(pl_graph *graph, const float value[3], pl_operand 
 
 /* Constant folding: evaluates a node whose inputs are all constants. */
 static pl_status fold(builder *b, const pl_instruction *instruction, pl_operand *outputs) {
-  pl_value out[PL_NODE_OUTPUTS];
-  pl_node_call call = {.constants = instruction->constants, .out = out};
-  for (size_t k = 0; k < instruction->kind->input_count; k++)
-    call.in[k] = b->graph->constants[instruction->in[k].index];
+  pl_lanes in[PL_NODE_SOCKETS], out[PL_NODE_OUTPUTS];
+  pl_node_call call = {
+      .count = 1, .uniform = instruction->uniform, .constants = instruction->constants, .out = out};
+  for (size_t k = 0; k < instruction->kind->input_count; k++) {
+    pl_value_spread(b->graph->constants[instruction->in[k].index], in[k]);
+    call.in[k] = (const pl_lanes *)&in[k];
+  }
   instruction->kind->evaluate(&call);
-  for (size_t k = 0; k < instruction->kind->output_count; k++)
-    PL_TRY(add_constant(b->graph, out[k], &outputs[k]));
+  for (size_t k = 0; k < instruction->kind->output_count; k++) {
+    const float value[3] = {out[k][0][0], out[k][1][0], out[k][2][0]};
+    PL_TRY(add_constant(b->graph, value, &outputs[k]));
+  }
   return PL_OK;
 }
 
@@ -153,8 +159,13 @@ static pl_status fold(builder *b, const pl_instruction *instruction, pl_operand 
 static pl_status emit(builder *b, pl_instruction *instruction, pl_operand *outputs) {
   const pl_node_kind *kind = instruction->kind;
   bool folds = !kind->reads_point && kind->lazy == 0;
-  for (size_t k = 0; k < kind->input_count; k++)
-    folds &= instruction->in[k].bank == PL_BANK_CONSTANT;
+  for (size_t k = 0; k < kind->input_count; k++) {
+    const pl_operand in = instruction->in[k];
+    folds &= in.bank == PL_BANK_CONSTANT;
+    const bool lazy = (kind->lazy >> k & 1u) != 0;
+    const bool uniform = in.bank != PL_BANK_REGISTER || (!lazy && b->is_uniform[in.index]);
+    instruction->uniform |= (unsigned)uniform << k;
+  }
   if (folds)
     return fold(b, instruction, outputs);
   pl_program *program = &b->graph->programs[b->program];
@@ -166,8 +177,10 @@ static pl_status emit(builder *b, pl_instruction *instruction, pl_operand *outpu
   program->instructions = grown;
   instruction->out = program->register_count;
   grown[program->count++] = *instruction;
-  for (size_t k = 0; k < kind->output_count; k++)
+  for (size_t k = 0; k < kind->output_count; k++) {
+    b->is_uniform[program->register_count] = pl_instruction_is_uniform(instruction);
     outputs[k] = (pl_operand){PL_BANK_REGISTER, (uint16_t)program->register_count++};
+  }
   return PL_OK;
 }
 
@@ -344,6 +357,15 @@ static pl_status build_emission(const builder *outer, const pl_graph_node *surfa
   return status;
 }
 
+static pl_status spread_constants(pl_graph *graph) {
+  void *memory;
+  PL_TRY(pl_alloc_or_fail(graph->constant_count, sizeof(pl_lanes), "a graph", &memory));
+  graph->spread = memory;
+  for (size_t i = 0; i < graph->constant_count; i++)
+    pl_value_spread(graph->constants[i], graph->spread[i]);
+  return PL_OK;
+}
+
 static pl_status build(const pl_graph_description *d, pl_graph *graph) {
   const pl_constant *of_node[PL_GRAPH_NODES];
   const pl_graph_node *surface = &d->nodes[d->surface];
@@ -360,7 +382,7 @@ static pl_status build(const pl_graph_description *d, pl_graph *graph) {
     status = build_emission(&b, surface);
   }
   finish(&b);
-  return status;
+  return status == PL_OK ? spread_constants(graph) : status;
 }
 
 pl_status pl_graph_create(const pl_graph_description *description, pl_graph **out) {
@@ -389,6 +411,7 @@ void pl_graph_destroy(pl_graph *graph) {
     pl_free(graph->programs[i].instructions);
   pl_free(graph->programs);
   pl_free(graph->constants);
+  pl_free(graph->spread);
   pl_free(graph->node_constants);
   pl_free(graph->numbers);
   pl_free(graph);

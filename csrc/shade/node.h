@@ -76,13 +76,17 @@ pl_vec3f pl_graph_point_object(const pl_graph_point *point);
 
 enum { PL_NODE_CONSTANTS = 8, PL_NODE_OUTPUTS = 8 };
 
-/* Arguments of a node's evaluation. */
+/* Arguments of a node's evaluation, at up to PL_LANES points. Nodes set all lanes of all outputs.
+ * Those from `count` on are read by nobody, but must be numbers that are not slow: vectors compute
+ * them from the lanes of inputs, other loops copy lane 0 (pl_lanes_fill). */
 typedef struct pl_node_call {
-  const pl_graph_point *point;
-  const float *in[PL_NODE_SOCKETS]; /* pl_value each; NULL for lazy inputs */
+  size_t count;                        /* lanes in use, at least 1 */
+  const pl_graph_point *points;        /* `count` */
+  const pl_lanes *in[PL_NODE_SOCKETS]; /* NULL for lazy inputs */
+  unsigned uniform;                    /* bit k: input k is the same in all lanes */
   const pl_constant *constants;
   unsigned given; /* bit k: input k is set by a value or a link */
-  pl_value *out;  /* one per output; all four numbers must be set */
+  pl_lanes *out;  /* one per output; all four numbers must be set */
   /* Used by pl_node_input_at. */
   const struct pl_graph *graph;
   const struct pl_instruction *instruction;
@@ -117,9 +121,9 @@ static inline const pl_socket *pl_node_input(const pl_node_kind *kind, size_t k)
                                : &kind->reflectance->inputs[k - kind->input_count];
 }
 
-/* Evaluates a lazy input at another point. */
-void pl_node_input_at(const pl_node_call *call, size_t input, const pl_graph_point *point,
-                      pl_value out);
+/* Evaluates a lazy input at other points: `count` of them, at most PL_LANES. */
+void pl_node_input_at(const pl_node_call *call, size_t input, const pl_graph_point *points,
+                      size_t count, pl_lanes out);
 
 /* The table, in a fixed order. */
 extern const pl_node_kind *const pl_node_kinds[];
@@ -127,16 +131,33 @@ extern const size_t pl_node_kind_count;
 /* Kind by name, or NULL. */
 const pl_node_kind *pl_node_kind_find(const char *name);
 
-/* Set outputs of nodes. */
-static inline void pl_value_scalar(pl_value out, float x) {
-  out[0] = out[1] = out[2] = x;
-  out[3] = 0.0f;
+/* Set one lane of outputs of nodes, and read it. */
+PL_WIDE_PART void pl_lane_scalar(pl_lanes out, size_t i, float x) {
+  out[0][i] = out[1][i] = out[2][i] = x;
+  out[3][i] = 0.0f;
 }
-static inline void pl_value_vector(pl_value out, pl_vec3f v, float radius) {
-  out[0] = v.x;
-  out[1] = v.y;
-  out[2] = v.z;
-  out[3] = radius;
+PL_WIDE_PART void pl_lane_vector(pl_lanes out, size_t i, pl_vec3f v, float radius) {
+  out[0][i] = v.x;
+  out[1][i] = v.y;
+  out[2][i] = v.z;
+  out[3][i] = radius;
+}
+PL_WIDE_PART pl_vec3f pl_lane_vec(const pl_lanes v, size_t i) {
+  return pl_vec3f_make(v[0][i], v[1][i], v[2][i]);
+}
+/* A scalar input in one lane. */
+PL_WIDE_PART float pl_node_number(const pl_node_call *call, size_t input, size_t i) {
+  return (*call->in[input])[0][i];
+}
+/* Copies lane 0 to those from `count` on. */
+static inline void pl_lanes_fill(pl_lanes out, size_t count) {
+  for (size_t k = 0; k < 4; k++)
+    for (size_t i = count; i < PL_LANES; i++)
+      out[k][i] = out[k][0];
+}
+/* The lanes of which a node needs results: one if all of its inputs in `needed` are uniform. */
+static inline size_t pl_node_lanes(const pl_node_call *call, unsigned needed) {
+  return (call->uniform & needed) == needed ? 1 : call->count;
 }
 static inline pl_vec3f pl_value_vec(const float *v) { return pl_vec3f_make(v[0], v[1], v[2]); }
 

@@ -21,34 +21,61 @@ static float least_step(const pl_graph_point *p) {
   return p->body != NULL ? BODY_STEP_MIN * pl_vec3f_norm(p->object) : STEP_MIN_M;
 }
 
-static slopes slopes_of(const pl_node_call *call, float factor) {
-  pl_graph_point p = *call->point;
-  p.radius = 0.0f;
-  const float step = least_step(&p);
-  float height[4];
-  for (int i = 0; i < 4; i++) {
-    const float side = i & 1 ? step : -step;
-    const pl_graph_point at = pl_graph_point_move(&p, i < 2 ? side : 0.0f, i < 2 ? 0.0f : side);
-    pl_value value;
-    pl_node_input_at(call, 0, &at, value);
-    height[i] = value[0];
+enum { SIDES = 4 }; /* points at which a slope needs heights: towards -t, t, -b, b */
+
+static pl_graph_point beside(const pl_graph_point *point, float step, size_t side) {
+  const float by = side & 1u ? step : -step;
+  return pl_graph_point_move(point, side < 2 ? by : 0.0f, side < 2 ? 0.0f : by);
+}
+
+/* Heights beside the points of `lanes`, in as few batches as they fill. */
+static void heights_of(const pl_node_call *call, const size_t *lanes, size_t count,
+                       const float *step, float height[][SIDES]) {
+  pl_graph_point at[PL_LANES];
+  pl_lanes value;
+  for (size_t done = 0; done < SIDES * count; done += PL_LANES) {
+    const size_t size = SIDES * count - done < PL_LANES ? SIDES * count - done : PL_LANES;
+    for (size_t i = 0; i < size; i++) {
+      const size_t k = (done + i) / SIDES;
+      at[i] = beside(&call->points[lanes[k]], step[k], (done + i) % SIDES);
+      at[i].radius = 0.0f;
+    }
+    pl_node_input_at(call, 0, at, size, value);
+    for (size_t i = 0; i < size; i++)
+      height[(done + i) / SIDES][(done + i) % SIDES] = value[0][i];
   }
-  const slopes s = {factor * (height[1] - height[0]) / (2.0f * step),
-                    factor * (height[3] - height[2]) / (2.0f * step)};
-  return isfinite(s.t) && isfinite(s.b) ? s : (slopes){0.0f, 0.0f};
+}
+
+/* The normal at a point from the heights beside it. */
+static pl_vec3f normal_of(const pl_graph_point *p, const float height[SIDES], float factor,
+                          float step) {
+  slopes s = {factor * (height[1] - height[0]) / (2.0f * step),
+              factor * (height[3] - height[2]) / (2.0f * step)};
+  if (!isfinite(s.t) || !isfinite(s.b))
+    s = (slopes){0.0f, 0.0f};
+  const pl_vec3f n = pl_vec3f_madd(pl_vec3f_madd(p->n, -s.t, p->t), -s.b, p->b);
+  return isfinite(pl_vec3f_norm(n)) ? pl_vec3f_unit(n) : p->n;
 }
 
 static void bump(const pl_node_call *call) {
-  const pl_graph_point *p = call->point;
-  const float factor = call->in[1][0] * call->in[2][0];
-  if (!p->bumps || factor == 0.0f || !isfinite(p->radius)) {
-    pl_value_vector(call->out[0], p->n, 0.0f);
-    return;
+  size_t bumped[PL_LANES] = {0}, count = 0;
+  float factor[PL_LANES], step[PL_LANES] = {0.0f}, height[PL_LANES][SIDES];
+  for (size_t i = 0; i < call->count; i++) {
+    const pl_graph_point *p = &call->points[i];
+    const float by = pl_node_number(call, 1, i) * pl_node_number(call, 2, i);
+    pl_lane_vector(call->out[0], i, p->n, 0.0f);
+    if (!p->bumps || by == 0.0f || !isfinite(p->radius))
+      continue;
+    bumped[count] = i;
+    factor[count] = by;
+    step[count++] = least_step(p);
   }
-  const slopes seen = slopes_of(call, factor);
-  const pl_vec3f n = pl_vec3f_madd(pl_vec3f_madd(p->n, -seen.t, p->t), -seen.b, p->b);
-  const float length = pl_vec3f_norm(n);
-  pl_value_vector(call->out[0], isfinite(length) ? pl_vec3f_unit(n) : p->n, 0.0f);
+  heights_of(call, bumped, count, step, height);
+  for (size_t k = 0; k < count; k++) {
+    const pl_graph_point *p = &call->points[bumped[k]];
+    pl_lane_vector(call->out[0], bumped[k], normal_of(p, height[k], factor[k], step[k]), 0.0f);
+  }
+  pl_lanes_fill(call->out[0], call->count);
 }
 
 static const pl_socket inputs[] = {

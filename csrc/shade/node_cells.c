@@ -5,16 +5,20 @@
 
 /* z = 0, as of texture coordinates, would lie on the boundary of two layers of cells: it is moved
  * to the middle of one. */
-static pl_pattern_place place_of(const pl_node_call *call) {
-  pl_pattern_place place = pl_pattern_place_of(call);
-  if (place.point.z == 0.0)
-    place.point.z = 0.5;
-  return place;
+static void place_of(const pl_node_call *call, pl_pattern_place *out) {
+  pl_pattern_place_of(call, out);
+  for (size_t i = 0; i < PL_LANES; i++)
+    out->point.at[2][i] = out->point.at[2][i] == 0.0 ? 0.5 : out->point.at[2][i];
 }
 
 static void white_noise(const pl_node_call *call) {
-  const pl_pattern_place place = place_of(call);
-  pl_value_scalar(call->out[0], pl_white_noise(place.point, place.side, pl_pattern_seed(call, 0)));
+  pl_pattern_place place;
+  const uint32_t seed = pl_pattern_seed(call, 0);
+  place_of(call, &place);
+  for (size_t i = 0; i < call->count; i++)
+    pl_lane_scalar(call->out[0], i,
+                   pl_white_noise(pl_pattern_point(&place, i), place.side[i], seed));
+  pl_lanes_fill(call->out[0], call->count);
 }
 
 static const pl_socket white_inputs[] = {PL_PATTERN_VECTOR};
@@ -35,12 +39,17 @@ const pl_node_kind pl_node_white_noise = {
 };
 
 static void checker(const pl_node_call *call) {
-  const pl_pattern_place place = place_of(call);
-  const float x = pl_checker(place.point, place.side);
-  const pl_vec3f b = pl_value_vec(call->in[3]);
-  const pl_vec3f change = pl_vec3f_sub(pl_value_vec(call->in[2]), b);
-  pl_value_vector(call->out[0], pl_vec3f_madd(b, x, change), 0.0f);
-  pl_value_scalar(call->out[1], x);
+  pl_pattern_place place;
+  place_of(call, &place);
+  for (size_t i = 0; i < call->count; i++) {
+    const float x = pl_checker(pl_pattern_point(&place, i), place.side[i]);
+    const pl_vec3f b = pl_lane_vec(*call->in[3], i);
+    const pl_vec3f change = pl_vec3f_sub(pl_lane_vec(*call->in[2], i), b);
+    pl_lane_vector(call->out[0], i, pl_vec3f_madd(b, x, change), 0.0f);
+    pl_lane_scalar(call->out[1], i, x);
+  }
+  pl_lanes_fill(call->out[0], call->count);
+  pl_lanes_fill(call->out[1], call->count);
 }
 
 static const pl_socket checker_inputs[] = {

@@ -51,47 +51,51 @@ static void plane_of(int space, pl_vec3f n, pl_vec3f axis[2]) {
   }
 }
 
-static void on_plane(const pl_graph_point *p, int space, pl_value out) {
+static void on_plane(const pl_graph_point *p, int space, pl_lanes out, size_t i) {
   pl_vec3f axis[2];
   plane_of(space, rest_normal(p), axis);
   const pl_vec3f at =
       pl_vec3f_make(pl_vec3f_dot(p->object, axis[0]), pl_vec3f_dot(p->object, axis[1]), 0.0f);
-  pl_value_vector(out, at, p->radius);
+  pl_lane_vector(out, i, at, p->radius);
 }
 
 /* Longitude and latitude from a map centred at longitude 0: u spans 360 degrees, v 180. */
-static void lon_lat_deg(const pl_graph_point *p, pl_value out) {
+static void lon_lat_deg(const pl_graph_point *p, pl_lanes out, size_t i) {
   static const float SIDE = 254.55844f; /* sqrt(360 180) */
   pl_graph_point centered = *p;
   float uv[2], a[2], b[2];
   centered.map_center_lon_rad = 0.0;
   pl_graph_point_uv(&centered, 0, uv, a, b);
-  pl_value_vector(out, pl_vec3f_make(360.0f * (uv[0] - 0.5f), 180.0f * (0.5f - uv[1]), 0.0f),
-                  isinf(p->radius) ? p->radius : SIDE * radius_of(a, b));
+  pl_lane_vector(out, i, pl_vec3f_make(360.0f * (uv[0] - 0.5f), 180.0f * (0.5f - uv[1]), 0.0f),
+                 isinf(p->radius) ? p->radius : SIDE * radius_of(a, b));
 }
 
-static void coordinates(const pl_node_call *call) {
-  const pl_graph_point *p = call->point;
-  const int space = (int)call->constants[0].number;
+static void coordinates_of(const pl_graph_point *p, int space, pl_lanes out, size_t i) {
   float uv[2] = {0.0f, 0.0f}, a[2], b[2];
   if (space == SPACE_OBJECT || space == SPACE_WORLD) {
-    pl_value_vector(call->out[0], space == SPACE_OBJECT ? p->object : p->world, p->radius);
+    pl_lane_vector(out, i, space == SPACE_OBJECT ? p->object : p->world, p->radius);
     return;
   }
   if (space == SPACE_BOX || space == SPACE_FACE) {
-    on_plane(p, space, call->out[0]);
+    on_plane(p, space, out, i);
     return;
   }
   if (space == SPACE_LON_LAT) {
     if (p->body != NULL)
-      lon_lat_deg(p, call->out[0]);
+      lon_lat_deg(p, out, i);
     else
-      pl_value_scalar(call->out[0], 0.0f);
+      pl_lane_scalar(out, i, 0.0f);
     return;
   }
   pl_graph_point_uv(p, space - SPACE_UV, uv, a, b);
-  pl_value_vector(call->out[0], pl_vec3f_make(uv[0], uv[1], 0.0f),
-                  isinf(p->radius) ? p->radius : radius_of(a, b));
+  pl_lane_vector(out, i, pl_vec3f_make(uv[0], uv[1], 0.0f),
+                 isinf(p->radius) ? p->radius : radius_of(a, b));
+}
+
+static void coordinates(const pl_node_call *call) {
+  for (size_t i = 0; i < call->count; i++)
+    coordinates_of(&call->points[i], (int)call->constants[0].number, call->out[0], i);
+  pl_lanes_fill(call->out[0], call->count);
 }
 
 static const pl_constant_row coordinates_constants[] = {
@@ -118,27 +122,51 @@ const pl_node_kind pl_node_coordinates = {
     .evaluate = coordinates,
 };
 
-/* Rotates about x, then y, then z, by angles in radians. */
-static pl_vec3f turned(pl_vec3f v, const float *angle) {
-  const float cx = cosf(angle[0]), sx = sinf(angle[0]);
-  const float cy = cosf(angle[1]), sy = sinf(angle[1]);
-  const float cz = cosf(angle[2]), sz = sinf(angle[2]);
+/* Cosine and sine of the angles about an axis. */
+typedef struct turn {
+  float cosine[PL_LANES], sine[PL_LANES];
+} turn;
+
+/* False if all angles are 0. */
+static bool turns_of(const pl_node_call *call, size_t input, turn out[3]) {
+  static const float DEG = PL_PI_F / 180.0f;
+  const size_t count = pl_node_lanes(call, 1u << input);
+  bool turned = false;
+  for (size_t axis = 0; axis < 3; axis++)
+    for (size_t i = 0; i < PL_LANES; i++) {
+      const float angle = DEG * (*call->in[input])[axis][i];
+      out[axis].cosine[i] = i < count ? cosf(angle) : out[axis].cosine[0];
+      out[axis].sine[i] = i < count ? sinf(angle) : out[axis].sine[0];
+      turned |= angle != 0.0f;
+    }
+  return turned;
+}
+
+/* Rotates about x, then y, then z. */
+PL_WIDE_PART pl_vec3f turned(pl_vec3f v, const turn by[3], size_t i) {
+  const float cx = by[0].cosine[i], sx = by[0].sine[i], cy = by[1].cosine[i], sy = by[1].sine[i];
+  const float cz = by[2].cosine[i], sz = by[2].sine[i];
   v = pl_vec3f_make(v.x, cx * v.y - sx * v.z, sx * v.y + cx * v.z);
   v = pl_vec3f_make(cy * v.x + sy * v.z, v.y, cy * v.z - sy * v.x);
   return pl_vec3f_make(cz * v.x - sz * v.y, sz * v.x + cz * v.y, v.z);
 }
 
-static void mapping(const pl_node_call *call) {
-  static const float DEG = PL_PI_F / 180.0f;
-  const float *v = call->in[0], *rotation = call->in[2], *scale = call->in[3];
-  const float angle[3] = {DEG * rotation[0], DEG * rotation[1], DEG * rotation[2]};
-  pl_vec3f p = pl_vec3f_mul(pl_value_vec(v), pl_value_vec(scale));
-  if (angle[0] != 0.0f || angle[1] != 0.0f || angle[2] != 0.0f)
-    p = turned(p, angle);
-  const float largest = pl_maxf(fabsf(scale[0]), pl_maxf(fabsf(scale[1]), fabsf(scale[2])));
-  /* A scale of zero gives one value, for any footprint. */
-  pl_value_vector(call->out[0], pl_vec3f_add(p, pl_value_vec(call->in[1])),
-                  largest > 0.0f ? v[3] * largest : 0.0f);
+PL_WIDE static void mapping(const pl_node_call *call) {
+  const float(*v)[PL_LANES] = *call->in[0], (*location)[PL_LANES] = *call->in[1];
+  const float(*angle)[PL_LANES] = *call->in[2], (*scale)[PL_LANES] = *call->in[3];
+  float(*out)[PL_LANES] = call->out[0];
+  turn by[3];
+  const bool turns = turns_of(call, 2, by);
+  PL_EACH_LANE(i) {
+    pl_vec3f p = pl_vec3f_mul(pl_lane_vec(v, i), pl_lane_vec(scale, i));
+    if (turns && (angle[0][i] != 0.0f || angle[1][i] != 0.0f || angle[2][i] != 0.0f))
+      p = turned(p, by, i);
+    const float largest =
+        pl_maxf(fabsf(scale[0][i]), pl_maxf(fabsf(scale[1][i]), fabsf(scale[2][i])));
+    /* A scale of zero gives one value, for any footprint. */
+    pl_lane_vector(out, i, pl_vec3f_add(p, pl_lane_vec(location, i)),
+                   largest > 0.0f ? v[3][i] * largest : 0.0f);
+  }
 }
 
 static const pl_socket mapping_inputs[] = {

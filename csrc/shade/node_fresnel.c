@@ -6,8 +6,9 @@
 
 /* Cosine of the angle between normal and viewer, 0..1. Surfaces are two-sided; a bumped normal that
  * faces away from the viewer gives 0. */
-static float facing_of(const pl_graph_point *p, const float *normal) {
-  const pl_vec3f given = pl_value_vec(normal);
+static float facing_of(const pl_node_call *call, size_t lane) {
+  const pl_graph_point *p = &call->points[lane];
+  const pl_vec3f given = pl_lane_vec(*call->in[1], lane);
   const float length = pl_vec3f_norm(given);
   const bool usable = length > 0.0f && isfinite(length);
   const pl_vec3f n = usable ? pl_vec3f_scale(given, 1.0f / length) : p->n;
@@ -16,9 +17,11 @@ static float facing_of(const pl_graph_point *p, const float *normal) {
 }
 
 static void fresnel(const pl_node_call *call) {
-  const float ior = call->in[0][0];
-  pl_value_scalar(call->out[0],
-                  pl_fresnel(facing_of(call->point, call->in[1]), ior > 0.0f ? ior : 0.0f));
+  for (size_t i = 0; i < call->count; i++) {
+    const float ior = pl_node_number(call, 0, i);
+    pl_lane_scalar(call->out[0], i, pl_fresnel(facing_of(call, i), ior > 0.0f ? ior : 0.0f));
+  }
+  pl_lanes_fill(call->out[0], call->count);
 }
 
 static const float BLEND_MAX = 1.0f - 1e-5f;
@@ -27,11 +30,15 @@ static const float BLEND_MAX = 1.0f - 1e-5f;
  * is 1 at a blend of 1/2 and tends to 0 and infinity at 0 and 1: the conventions of Blender's Layer
  * Weight node. */
 static void layer_weight(const pl_node_call *call) {
-  const float blend = pl_minf(pl_clipped(call->in[0][0], 1.0f), BLEND_MAX);
-  const float cosine = facing_of(call->point, call->in[1]);
-  const float power = blend < 0.5f ? 2.0f * blend : 0.5f / (1.0f - blend);
-  pl_value_scalar(call->out[0], pl_fresnel(cosine, 1.0f / (1.0f - blend)));
-  pl_value_scalar(call->out[1], 1.0f - powf(cosine, power));
+  for (size_t i = 0; i < call->count; i++) {
+    const float blend = pl_minf(pl_clipped(pl_node_number(call, 0, i), 1.0f), BLEND_MAX);
+    const float cosine = facing_of(call, i);
+    const float power = blend < 0.5f ? 2.0f * blend : 0.5f / (1.0f - blend);
+    pl_lane_scalar(call->out[0], i, pl_fresnel(cosine, 1.0f / (1.0f - blend)));
+    pl_lane_scalar(call->out[1], i, 1.0f - powf(cosine, power));
+  }
+  pl_lanes_fill(call->out[0], call->count);
+  pl_lanes_fill(call->out[1], call->count);
 }
 
 #define NORMAL_INPUT                                                                               \

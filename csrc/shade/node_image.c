@@ -9,10 +9,11 @@ enum { IMAGE_FILE, COLOR_SPACE, WRAP, WRAP_V, UV_SET };
 /* Side of the square with the area of the footprint's circle. */
 static float side_of(float radius) { return radius * sqrtf(PL_PI_F); }
 
-static void read(const pl_node_call *call, const pl_texture *texture, float out[4]) {
-  const pl_graph_point *p = call->point;
+static void read(const pl_node_call *call, const pl_texture *texture, size_t lane, float out[4]) {
+  const pl_graph_point *p = &call->points[lane];
   const bool given = (call->given & 1u) != 0;
-  const float *at = call->in[0];
+  const float(*in)[PL_LANES] = *call->in[0];
+  const pl_value at = {in[0][lane], in[1][lane], in[2][lane], in[3][lane]};
   float uv[2] = {at[0], at[1]}, a[2] = {side_of(at[3]), 0.0f}, b[2] = {0.0f, side_of(at[3])};
   if (isinf(given ? at[3] : p->radius)) {
     pl_texture_mean(texture, out);
@@ -31,11 +32,15 @@ static void read(const pl_node_call *call, const pl_texture *texture, float out[
 
 static void image(const pl_node_call *call) {
   const pl_texture *texture = call->constants[IMAGE_FILE].texture;
-  float rgba[4] = {1.0f, 1.0f, 1.0f, 1.0f};
-  if (texture != NULL)
-    read(call, texture, rgba);
-  pl_value_vector(call->out[0], pl_value_vec(rgba), 0.0f);
-  pl_value_scalar(call->out[1], rgba[3]);
+  for (size_t i = 0; i < call->count; i++) {
+    float rgba[4] = {1.0f, 1.0f, 1.0f, 1.0f};
+    if (texture != NULL)
+      read(call, texture, i, rgba);
+    pl_lane_vector(call->out[0], i, pl_value_vec(rgba), 0.0f);
+    pl_lane_scalar(call->out[1], i, rgba[3]);
+  }
+  pl_lanes_fill(call->out[0], call->count);
+  pl_lanes_fill(call->out[1], call->count);
 }
 
 static const char *const spaces[] = {"srgb", "linear", NULL};

@@ -3,7 +3,7 @@
 
 #include "shade/node_rows.h"
 
-static void pass(const pl_node_call *call) { memcpy(call->out[0], call->in[0], sizeof(pl_value)); }
+static void pass(const pl_node_call *call) { memcpy(call->out[0], call->in[0], sizeof(pl_lanes)); }
 
 static const pl_socket number[] = {{"value", PL_SCALAR, {0.0f, 0.0f, 0.0f}, "The number"}};
 static const pl_socket color[] = {{"color", PL_COLOR, {0.5f, 0.5f, 0.5f}, "Linear RGB"}};

@@ -37,11 +37,9 @@ static const char *const functions[] = {
     "wrap",      "sine",         "cosine",   "atan2",    "smoothstep",   NULL};
 
 /* Cubic step from 0 at a to 1 at b, with zero slope at both; a hard step if they are equal. */
-static float smoothstep(float x, float a, float b) {
-  if (a == b)
-    return x < a ? 0.0f : 1.0f;
+PL_WIDE_PART float smoothstep(float x, float a, float b) {
   const float t = pl_minf(pl_maxf((x - a) / (b - a), 0.0f), 1.0f);
-  return t * t * (3.0f - 2.0f * t);
+  return a == b ? (x < a ? 0.0f : 1.0f) : t * t * (3.0f - 2.0f * t);
 }
 
 /* x wrapped into [a, b) by whole periods. */
@@ -49,14 +47,47 @@ static float wrap(float x, float a, float b) {
   return b == a ? a : x - (b - a) * floorf((x - a) / (b - a));
 }
 
-static float apply_rounding(int function, float a, float b, float c) {
+/* What vectors have an instruction for, in all lanes; false for other functions. */
+#define PL_IN_LANES(function, expression)                                                          \
+  case function:                                                                                   \
+    PL_EACH_LANE(i) {                                                                              \
+      const float x = a[i], y = b[i], z = c[i];                                                    \
+      (void)y;                                                                                     \
+      (void)z;                                                                                     \
+      out[i] = (expression);                                                                       \
+    }                                                                                              \
+    return true;
+
+PL_WIDE static bool apply_lanes(int function, const float *restrict a, const float *restrict b,
+                                const float *restrict c, float *restrict out) {
   switch (function) {
-  case LESS_THAN:
-    return a < b ? 1.0f : 0.0f;
-  case GREATER_THAN:
-    return a > b ? 1.0f : 0.0f;
-  case SIGN:
-    return a > 0.0f ? 1.0f : a < 0.0f ? -1.0f : 0.0f;
+    PL_IN_LANES(ADD, x + y)
+    PL_IN_LANES(SUBTRACT, x - y)
+    PL_IN_LANES(MULTIPLY, x * y)
+    PL_IN_LANES(DIVIDE, y == 0.0f ? 0.0f : x / y)
+    PL_IN_LANES(MULTIPLY_ADD, x * y + z)
+    PL_IN_LANES(SQRT, sqrtf(x))
+    PL_IN_LANES(ABSOLUTE, fabsf(x))
+    PL_IN_LANES(MINIMUM, pl_minf(x, y))
+    PL_IN_LANES(MAXIMUM, pl_maxf(x, y))
+    PL_IN_LANES(LESS_THAN, x < y ? 1.0f : 0.0f)
+    PL_IN_LANES(GREATER_THAN, x > y ? 1.0f : 0.0f)
+    PL_IN_LANES(SIGN, x > 0.0f ? 1.0f : x < 0.0f ? -1.0f : 0.0f)
+    PL_IN_LANES(SMOOTHSTEP, smoothstep(x, y, z))
+  default:
+    return false;
+  }
+}
+
+/* The functions of libraries. */
+static float apply(int function, float a, float b, float c) {
+  switch (function) {
+  case POWER:
+    return powf(a, b);
+  case EXP:
+    return expf(a);
+  case LOG:
+    return logf(a);
   case FLOOR:
     return floorf(a);
   case FRACTION:
@@ -69,51 +100,29 @@ static float apply_rounding(int function, float a, float b, float c) {
     return sinf(a);
   case COSINE:
     return cosf(a);
-  case ATAN2:
-    return atan2f(a, b);
   default:
-    return smoothstep(a, b, c);
+    return atan2f(a, b);
   }
 }
 
-static float apply(int function, float a, float b, float c) {
-  switch (function) {
-  case ADD:
-    return a + b;
-  case SUBTRACT:
-    return a - b;
-  case MULTIPLY:
-    return a * b;
-  case DIVIDE:
-    return b == 0.0f ? 0.0f : a / b;
-  case MULTIPLY_ADD:
-    return a * b + c;
-  case POWER:
-    return powf(a, b);
-  case SQRT:
-    return sqrtf(a);
-  case EXP:
-    return expf(a);
-  case LOG:
-    return logf(a);
-  case ABSOLUTE:
-    return fabsf(a);
-  case MINIMUM:
-    return pl_minf(a, b);
-  case MAXIMUM:
-    return pl_maxf(a, b);
-  default:
-    return apply_rounding(function, a, b, c);
+PL_WIDE static void put(const float *restrict value, bool cut, pl_lanes out) {
+  PL_EACH_LANE(i) {
+    const float x = isfinite(value[i]) ? value[i] : 0.0f;
+    pl_lane_scalar(out, i, cut ? pl_minf(pl_maxf(x, 0.0f), 1.0f) : x);
   }
 }
 
 static void math(const pl_node_call *call) {
-  const float a = call->in[0][0], b = call->in[1][0], c = call->in[2][0];
-  float x = apply((int)call->constants[0].number, a, b, c);
-  x = isfinite(x) ? x : 0.0f;
-  if (call->constants[1].number != 0.0)
-    x = pl_minf(pl_maxf(x, 0.0f), 1.0f);
-  pl_value_scalar(call->out[0], x);
+  const float *a = (*call->in[0])[0], *b = (*call->in[1])[0], *c = (*call->in[2])[0];
+  const int function = (int)call->constants[0].number;
+  float value[PL_LANES];
+  if (!apply_lanes(function, a, b, c, value)) {
+    for (size_t i = 0; i < call->count; i++)
+      value[i] = apply(function, a[i], b[i], c[i]);
+    for (size_t i = call->count; i < PL_LANES; i++)
+      value[i] = value[0];
+  }
+  put(value, call->constants[1].number != 0.0, call->out[0]);
 }
 
 static const pl_constant_row math_constants[] = {
@@ -142,12 +151,12 @@ const pl_node_kind pl_node_math = {
 };
 
 static void mean(const pl_node_call *call) {
-  const float *v = call->in[0];
-  pl_value_scalar(call->out[0], (v[0] + v[1] + v[2]) / 3.0f);
+  const float(*v)[PL_LANES] = *call->in[0];
+  PL_EACH_LANE(i) pl_lane_scalar(call->out[0], i, (v[0][i] + v[1][i] + v[2][i]) / 3.0f);
 }
 
 static void luminance(const pl_node_call *call) {
-  pl_value_scalar(call->out[0], pl_luminance(pl_value_vec(call->in[0])));
+  PL_EACH_LANE(i) pl_lane_scalar(call->out[0], i, pl_luminance(pl_lane_vec(*call->in[0], i)));
 }
 
 static const pl_socket vector_input[] = {

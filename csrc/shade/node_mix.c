@@ -6,7 +6,7 @@
 enum { MIX, MULTIPLY, ADD, SCREEN };
 static const char *const modes[] = {"mix", "multiply", "add", "screen", NULL};
 
-static float blend(int mode, float a, float b) {
+PL_WIDE_PART float blend(int mode, float a, float b) {
   switch (mode) {
   case MULTIPLY:
     return a * b;
@@ -19,13 +19,17 @@ static float blend(int mode, float a, float b) {
   }
 }
 
-static void mix(const pl_node_call *call) {
-  const float *a = call->in[1], *b = call->in[2];
-  const float factor = pl_minf(pl_maxf(call->in[0][0], 0.0f), 1.0f);
+PL_WIDE static void mix(const pl_node_call *call) {
+  const float(*a)[PL_LANES] = *call->in[1], (*b)[PL_LANES] = *call->in[2];
+  const float *share = (*call->in[0])[0];
+  float(*out)[PL_LANES] = call->out[0];
   const int mode = (int)call->constants[0].number;
   for (int k = 0; k < 3; k++)
-    call->out[0][k] = (1.0f - factor) * a[k] + factor * blend(mode, a[k], b[k]);
-  call->out[0][3] = pl_maxf(a[3], b[3]);
+    PL_EACH_LANE(i) {
+      const float factor = pl_minf(pl_maxf(share[i], 0.0f), 1.0f);
+      out[k][i] = (1.0f - factor) * a[k][i] + factor * blend(mode, a[k][i], b[k][i]);
+    }
+  PL_EACH_LANE(i) out[3][i] = pl_maxf(a[3][i], b[3][i]);
 }
 
 static const pl_constant_row mix_constants[] = {
@@ -54,11 +58,8 @@ enum { LINEAR, EASE, STEP };
 static const char *const interpolations[] = {"linear", "ease", "step", NULL};
 enum { STOP = 4 }; /* position, red, green, blue */
 
-static void ramp(const pl_node_call *call) {
-  const pl_constant *stops = &call->constants[0];
-  const int how = (int)call->constants[1].number;
+static pl_vec3f ramp_at(const pl_constant *stops, int how, float x) {
   const size_t count = stops->count / STOP;
-  const float x = call->in[0][0];
   size_t next = 0;
   while (next < count && stops->numbers[STOP * next] <= x)
     next++;
@@ -66,9 +67,17 @@ static void ramp(const pl_node_call *call) {
   const float *a = stops->numbers + STOP * from, *b = stops->numbers + STOP * to;
   float t = to > from ? (x - a[0]) / (b[0] - a[0]) : 0.0f;
   t = how == STEP ? 0.0f : how == EASE ? t * t * (3.0f - 2.0f * t) : t;
-  for (int k = 0; k < 3; k++)
-    call->out[0][k] = a[k + 1] + t * (b[k + 1] - a[k + 1]);
-  call->out[0][3] = 0.0f;
+  return pl_vec3f_make(a[1] + t * (b[1] - a[1]), a[2] + t * (b[2] - a[2]),
+                       a[3] + t * (b[3] - a[3]));
+}
+
+static void ramp(const pl_node_call *call) {
+  for (size_t i = 0; i < call->count; i++)
+    pl_lane_vector(
+        call->out[0], i,
+        ramp_at(&call->constants[0], (int)call->constants[1].number, pl_node_number(call, 0, i)),
+        0.0f);
+  pl_lanes_fill(call->out[0], call->count);
 }
 
 static pl_status check_ramp(const pl_constant *constants) {

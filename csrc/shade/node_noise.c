@@ -11,20 +11,41 @@ enum { OCTAVES = 2, ROUGHNESS, LACUNARITY, OFFSET, GAIN };
     "lacunarity", PL_SCALAR, {2.0f, 2.0f, 2.0f}, "Frequency of an octave by the one before"        \
   }
 
-static pl_fractal shape_of(const pl_node_call *call, size_t seed) {
-  return (pl_fractal){.octaves = call->in[OCTAVES][0],
-                      .roughness = call->in[ROUGHNESS][0],
-                      .lacunarity = call->in[LACUNARITY][0],
-                      .seed = pl_pattern_seed(call, seed)};
+static pl_fractal shape_of(const pl_node_call *call, uint32_t seed, size_t lane) {
+  return (pl_fractal){.octaves = pl_node_number(call, OCTAVES, lane),
+                      .roughness = pl_node_number(call, ROUGHNESS, lane),
+                      .lacunarity = pl_node_number(call, LACUNARITY, lane),
+                      .offset =
+                          call->in[OFFSET] != NULL ? pl_node_number(call, OFFSET, lane) : 0.0f,
+                      .gain = call->in[GAIN] != NULL ? pl_node_number(call, GAIN, lane) : 0.0f,
+                      .seed = seed};
+}
+
+/* The fractal in all lanes: together if they have one shape, and one by one otherwise. */
+static void fractal_of(const pl_node_call *call, const pl_fractal_row *row, uint32_t seed,
+                       unsigned shaped, float out[PL_LANES]) {
+  pl_pattern_place place;
+  pl_pattern_place_of(call, &place);
+  const pl_fractal shape = shape_of(call, seed, 0);
+  if ((call->uniform & shaped) == shaped) {
+    row->evaluate_lanes(&shape, &place.point, place.width, out);
+    return;
+  }
+  for (size_t i = 0; i < call->count; i++) {
+    const pl_fractal own = shape_of(call, seed, i);
+    out[i] = row->evaluate(&own, pl_pattern_point(&place, i), place.width[i]);
+  }
+  for (size_t i = call->count; i < PL_LANES; i++)
+    out[i] = out[0];
 }
 
 static float finite_or(float x, float other) { return isfinite(x) ? x : other; }
 
 static void noise(const pl_node_call *call) {
-  const pl_pattern_place place = pl_pattern_place_of(call);
-  const pl_fractal shape = shape_of(call, 0);
-  const float x = pl_fractal_rows[PL_FRACTAL_FBM].evaluate(&shape, place.point, place.width);
-  pl_value_scalar(call->out[0], finite_or(0.5f + 0.5f * x, 0.5f));
+  static const unsigned SHAPED = 1u << OCTAVES | 1u << ROUGHNESS | 1u << LACUNARITY;
+  float value[PL_LANES];
+  fractal_of(call, &pl_fractal_rows[PL_FRACTAL_FBM], pl_pattern_seed(call, 0), SHAPED, value);
+  PL_EACH_LANE(i) pl_lane_scalar(call->out[0], i, finite_or(0.5f + 0.5f * value[i], 0.5f));
 }
 
 static const pl_socket noise_inputs[] = {SHAPE_INPUTS};
@@ -48,12 +69,12 @@ static const char *const fractals[] = {"fbm",    "multifractal", "hetero_terrain
                                        "ridged", "hybrid",       NULL};
 
 static void musgrave(const pl_node_call *call) {
-  const pl_pattern_place place = pl_pattern_place_of(call);
-  pl_fractal shape = shape_of(call, 1);
-  shape.offset = call->in[OFFSET][0];
-  shape.gain = call->in[GAIN][0];
+  static const unsigned SHAPED =
+      1u << OCTAVES | 1u << ROUGHNESS | 1u << LACUNARITY | 1u << OFFSET | 1u << GAIN;
   const pl_fractal_row *row = &pl_fractal_rows[(int)call->constants[0].number];
-  pl_value_scalar(call->out[0], finite_or(row->evaluate(&shape, place.point, place.width), 0.0f));
+  float value[PL_LANES];
+  fractal_of(call, row, pl_pattern_seed(call, 1), SHAPED, value);
+  PL_EACH_LANE(i) pl_lane_scalar(call->out[0], i, finite_or(value[i], 0.0f));
 }
 
 static const pl_socket musgrave_inputs[] = {

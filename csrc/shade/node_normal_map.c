@@ -38,23 +38,28 @@ static bool tangents_of(const pl_graph_point *p, int set, pl_vec3f *t, pl_vec3f 
   return true;
 }
 
-static void normal_map(const pl_node_call *call) {
-  const pl_graph_point *p = call->point;
-  const float *c = call->in[0], strength = call->in[1][0];
-  const int set = (int)call->constants[UV_SET].number;
+static pl_vec3f normal_at(const pl_graph_point *p, int set, pl_vec3f color, float strength) {
   pl_vec3f t = p->t, b = p->b;
-  pl_value_vector(call->out[0], p->n, 0.0f);
   if (!p->bumps || isinf(p->radius) || strength == 0.0f)
-    return;
+    return p->n;
   const bool of_file = set == 0 && p->model != NULL && p->model->tangents != NULL;
   if (!of_file)
     tangents_of(p, set, &t, &b);
-  const float x = strength * (2.0f * c[0] - 1.0f), y = strength * (2.0f * c[1] - 1.0f);
-  const float z = pl_maxf(2.0f * c[2] - 1.0f, COSINE_MIN);
+  const float x = strength * (2.0f * color.x - 1.0f), y = strength * (2.0f * color.y - 1.0f);
+  const float z = pl_maxf(2.0f * color.z - 1.0f, COSINE_MIN);
   const pl_vec3f n = pl_vec3f_madd(pl_vec3f_madd(pl_vec3f_scale(t, x), y, b), z, p->n);
   const float length = pl_vec3f_norm(n);
-  if (length > 0.0f && isfinite(length))
-    pl_value_vector(call->out[0], pl_vec3f_scale(n, 1.0f / length), 0.0f);
+  return length > 0.0f && isfinite(length) ? pl_vec3f_scale(n, 1.0f / length) : p->n;
+}
+
+static void normal_map(const pl_node_call *call) {
+  const int set = (int)call->constants[UV_SET].number;
+  for (size_t i = 0; i < call->count; i++)
+    pl_lane_vector(
+        call->out[0], i,
+        normal_at(&call->points[i], set, pl_lane_vec(*call->in[0], i), pl_node_number(call, 1, i)),
+        0.0f);
+  pl_lanes_fill(call->out[0], call->count);
 }
 
 static const char *const sets[] = {"uv", "uv1", NULL};

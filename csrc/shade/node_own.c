@@ -5,13 +5,13 @@
 
 enum { BASE_COLOR, METALLIC, ROUGHNESS, EMISSION = PL_OWN_EMISSION, NORMAL, OPACITY };
 
-static void put(const pl_surface *s, float opacity, pl_value *out) {
-  pl_value_vector(out[BASE_COLOR], s->color, 0.0f);
-  pl_value_scalar(out[METALLIC], s->metallic);
-  pl_value_scalar(out[ROUGHNESS], sqrtf(s->alpha));
-  pl_value_vector(out[EMISSION], s->emission, 0.0f);
-  pl_value_vector(out[NORMAL], s->n, 0.0f);
-  pl_value_scalar(out[OPACITY], opacity);
+static void put(const pl_surface *s, float opacity, pl_lanes *out, size_t i) {
+  pl_lane_vector(out[BASE_COLOR], i, s->color, 0.0f);
+  pl_lane_scalar(out[METALLIC], i, s->metallic);
+  pl_lane_scalar(out[ROUGHNESS], i, sqrtf(s->alpha));
+  pl_lane_vector(out[EMISSION], i, s->emission, 0.0f);
+  pl_lane_vector(out[NORMAL], i, s->n, 0.0f);
+  pl_lane_scalar(out[OPACITY], i, opacity);
 }
 
 /* The body's map times its albedo. */
@@ -29,8 +29,7 @@ static void body_surface(const pl_graph_point *p, pl_surface *s) {
   s->emission = pl_vec3f_make(emission[0], emission[1], emission[2]);
 }
 
-static void own(const pl_node_call *call) {
-  const pl_graph_point *p = call->point;
+static void own_at(const pl_graph_point *p, pl_lanes *out, size_t i) {
   const pl_detail detail = {.maps = !isinf(p->radius), .bumps = p->bumps, .filter = p->filter};
   pl_surface s = {.t = p->t, .b = p->b, .n = p->n, .ng = p->ng, .alpha = 1.0f};
   float opacity = 1.0f;
@@ -40,7 +39,14 @@ static void own(const pl_node_call *call) {
     pl_material_surface(p->model, &p->triangle, detail, &s);
     opacity = pl_material_opacity(p->model, &p->triangle);
   }
-  put(&s, opacity, call->out);
+  put(&s, opacity, out, i);
+}
+
+static void own(const pl_node_call *call) {
+  for (size_t i = 0; i < call->count; i++)
+    own_at(&call->points[i], call->out, i);
+  for (size_t k = 0; k <= OPACITY; k++)
+    pl_lanes_fill(call->out[k], call->count);
 }
 
 static const pl_socket outputs[] = {

@@ -13,17 +13,33 @@ static float random_of(uint32_t id, float width) {
 
 static float positive(float x) { return x > 1e-9f ? x : 1e-9f; }
 
-static void brick(const pl_node_call *call) {
-  const pl_pattern_place place = pl_pattern_place_of(call);
-  const float length = positive(call->in[2][0]), height = positive(call->in[3][0]);
-  const float joint = call->in[4][0];
-  const pl_bricks bricks = {joint / length, joint / height, call->in[5][0]};
-  const double u = place.point.x / (double)length, v = place.point.y / (double)height;
-  const float cover = pl_brick_cover(&bricks, u, v, place.side / length, place.side / height);
-  pl_value_scalar(call->out[0], cover);
-  pl_value_scalar(call->out[1], random_of(pl_brick_id(&bricks, u, v, pl_pattern_seed(call, 0)),
-                                          place.width / pl_minf(length, height)));
+static void brick_at(const pl_node_call *call, const pl_pattern_place *place, size_t i) {
+  const pl_vec3 point = pl_pattern_point(place, i);
+  const float length = positive(pl_node_number(call, 2, i)),
+              height = positive(pl_node_number(call, 3, i));
+  const float joint = pl_node_number(call, 4, i);
+  const pl_bricks bricks = {joint / length, joint / height, pl_node_number(call, 5, i)};
+  const double u = point.x / (double)length, v = point.y / (double)height;
+  const float cover =
+      pl_brick_cover(&bricks, u, v, place->side[i] / length, place->side[i] / height);
+  pl_lane_scalar(call->out[0], i, cover);
+  pl_lane_scalar(call->out[1], i,
+                 random_of(pl_brick_id(&bricks, u, v, pl_pattern_seed(call, 0)),
+                           place->width[i] / pl_minf(length, height)));
 }
+
+/* Evaluates a pattern of `outputs` values in each lane. */
+static void each_lane(const pl_node_call *call, size_t outputs,
+                      void (*at)(const pl_node_call *, const pl_pattern_place *, size_t)) {
+  pl_pattern_place place;
+  pl_pattern_place_of(call, &place);
+  for (size_t i = 0; i < call->count; i++)
+    at(call, &place, i);
+  for (size_t k = 0; k < outputs; k++)
+    pl_lanes_fill(call->out[k], call->count);
+}
+
+static void brick(const pl_node_call *call) { each_lane(call, 2, brick_at); }
 
 static const pl_socket brick_inputs[] = {
     PL_PATTERN_VECTOR,
@@ -49,25 +65,29 @@ const pl_node_kind pl_node_brick = {
     .evaluate = brick,
 };
 
-static void panel(const pl_node_call *call) {
-  const pl_pattern_place place = pl_pattern_place_of(call);
-  const float length = positive(call->in[2][0]), height = positive(call->in[3][0]);
-  const float gap = call->in[4][0];
+static void panel_at(const pl_node_call *call, const pl_pattern_place *place, size_t i) {
+  const pl_vec3 point = pl_pattern_point(place, i);
+  const float length = positive(pl_node_number(call, 2, i)),
+              height = positive(pl_node_number(call, 3, i));
+  const float gap = pl_node_number(call, 4, i);
   const pl_panel cells = {.gap_u = gap / length,
                           .gap_v = gap / height,
-                          .busbars = call->in[5][0],
-                          .busbar_width = call->in[6][0] / length,
-                          .fingers = call->in[7][0],
-                          .finger_width = call->in[8][0] / height};
-  const double u = place.point.x / (double)length, v = place.point.y / (double)height;
+                          .busbars = pl_node_number(call, 5, i),
+                          .busbar_width = pl_node_number(call, 6, i) / length,
+                          .fingers = pl_node_number(call, 7, i),
+                          .finger_width = pl_node_number(call, 8, i) / height};
+  const double u = point.x / (double)length, v = point.y / (double)height;
   const pl_panel_cover cover =
-      pl_panel_covers(&cells, u, v, place.side / length, place.side / height);
-  pl_value_scalar(call->out[0], cover.cell);
-  pl_value_scalar(call->out[1], cover.metal);
-  pl_value_scalar(call->out[2], cover.gap);
-  pl_value_scalar(call->out[3], random_of(pl_panel_id(u, v, pl_pattern_seed(call, 0)),
-                                          place.width / pl_minf(length, height)));
+      pl_panel_covers(&cells, u, v, place->side[i] / length, place->side[i] / height);
+  pl_lane_scalar(call->out[0], i, cover.cell);
+  pl_lane_scalar(call->out[1], i, cover.metal);
+  pl_lane_scalar(call->out[2], i, cover.gap);
+  pl_lane_scalar(call->out[3], i,
+                 random_of(pl_panel_id(u, v, pl_pattern_seed(call, 0)),
+                           place->width[i] / pl_minf(length, height)));
 }
+
+static void panel(const pl_node_call *call) { each_lane(call, 4, panel_at); }
 
 /* Lengths are in units of the scaled coordinates: metres if the coordinates are in metres and the
  * scale is 1. The default line widths are typical of silicon cells. */

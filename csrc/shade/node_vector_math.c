@@ -22,11 +22,11 @@ static const char *const functions[] = {"add",       "subtract", "multiply", "sc
                                         "normalize", "absolute", "minimum",  "maximum", "dot",
                                         "length",    "distance", NULL};
 
-static pl_vec3f each(pl_vec3f a, pl_vec3f b, float (*f)(float, float)) {
+PL_WIDE_PART pl_vec3f each(pl_vec3f a, pl_vec3f b, float (*f)(float, float)) {
   return pl_vec3f_make(f(a.x, b.x), f(a.y, b.y), f(a.z, b.z));
 }
 
-static pl_vec3f vector_of(int function, pl_vec3f a, pl_vec3f b, float factor) {
+PL_WIDE_PART pl_vec3f vector_of(int function, pl_vec3f a, pl_vec3f b, float factor) {
   switch (function) {
   case ADD:
     return pl_vec3f_add(a, b);
@@ -49,27 +49,29 @@ static pl_vec3f vector_of(int function, pl_vec3f a, pl_vec3f b, float factor) {
   }
 }
 
-static float largest(const float *v) {
-  return pl_maxf(fabsf(v[0]), pl_maxf(fabsf(v[1]), fabsf(v[2])));
+PL_WIDE_PART float largest(pl_vec3f v) {
+  return pl_maxf(fabsf(v.x), pl_maxf(fabsf(v.y), fabsf(v.z)));
 }
 
-static float radius_of(int function, const float *a, const float *b, float factor) {
+/* ra, rb: radii of a and b. */
+PL_WIDE_PART float radius_of(int function, pl_vec3f a, float ra, pl_vec3f b, float rb,
+                             float factor) {
   switch (function) {
   case MULTIPLY:
-    return a[3] * largest(b) + b[3] * largest(a);
+    return ra * largest(b) + rb * largest(a);
   case SCALE:
-    return a[3] * fabsf(factor);
+    return ra * fabsf(factor);
   case CROSS:
   case NORMALIZE:
     return 0.0f;
   case ABSOLUTE:
-    return a[3];
+    return ra;
   default:
-    return a[3] + b[3];
+    return ra + rb;
   }
 }
 
-static float number_of(int function, pl_vec3f a, pl_vec3f b) {
+PL_WIDE_PART float number_of(int function, pl_vec3f a, pl_vec3f b) {
   switch (function) {
   case DOT:
     return pl_vec3f_dot(a, b);
@@ -80,23 +82,49 @@ static float number_of(int function, pl_vec3f a, pl_vec3f b) {
   }
 }
 
-static void vector_math(const pl_node_call *call) {
-  const float *a = call->in[0], *b = call->in[1], factor = call->in[2][0];
-  const int function = (int)call->constants[0].number;
-  const pl_vec3f va = pl_value_vec(a), vb = pl_value_vec(b);
-  if (function >= DOT) {
-    const float x = number_of(function, va, vb);
-    pl_value_scalar(call->out[0], isfinite(x) ? x : 0.0f);
-    pl_value_scalar(call->out[1], call->out[0][0]);
-    return;
+PL_WIDE_PART void each_lane(const pl_node_call *call, int function) {
+  const float(*a)[PL_LANES] = *call->in[0], (*b)[PL_LANES] = *call->in[1];
+  const float *factor = (*call->in[2])[0];
+  float(*out)[PL_LANES] = call->out[0], (*value)[PL_LANES] = call->out[1];
+  PL_EACH_LANE(i) {
+    const pl_vec3f va = pl_lane_vec(a, i), vb = pl_lane_vec(b, i);
+    if (function >= DOT) {
+      const float x = number_of(function, va, vb), number = isfinite(x) ? x : 0.0f;
+      pl_lane_scalar(out, i, number);
+      pl_lane_scalar(value, i, number);
+      continue;
+    }
+    const pl_vec3f v = vector_of(function, va, vb, factor[i]);
+    const float radius = radius_of(function, va, a[3][i], vb, b[3][i], factor[i]);
+    const bool finite = isfinite(v.x) & isfinite(v.y) & isfinite(v.z);
+    const pl_vec3f kept = {finite ? v.x : 0.0f, finite ? v.y : 0.0f, finite ? v.z : 0.0f};
+    /* An infinite radius times 0 is NaN; the pattern is then a single value and the radius 0. */
+    pl_lane_vector(out, i, kept, radius >= 0.0f ? radius : 0.0f);
+    pl_lane_scalar(value, i, pl_vec3f_norm(kept));
   }
-  const pl_vec3f v = vector_of(function, va, vb, factor);
-  const float radius = radius_of(function, a, b, factor);
-  const bool finite = isfinite(v.x) && isfinite(v.y) && isfinite(v.z);
-  /* An infinite radius times 0 is NaN; the pattern is then a single value and the radius 0. */
-  pl_value_vector(call->out[0], finite ? v : pl_vec3f_make(0.0f, 0.0f, 0.0f),
-                  radius >= 0.0f ? radius : 0.0f);
-  pl_value_scalar(call->out[1], finite ? pl_vec3f_norm(v) : 0.0f);
+}
+
+/* One loop for each function. */
+PL_WIDE static void vector_math(const pl_node_call *call) {
+#define PL_IN_LANES(function)                                                                      \
+  case function:                                                                                   \
+    each_lane(call, function);                                                                     \
+    break;
+  switch ((int)call->constants[0].number) {
+    PL_IN_LANES(ADD)
+    PL_IN_LANES(SUBTRACT)
+    PL_IN_LANES(MULTIPLY)
+    PL_IN_LANES(SCALE)
+    PL_IN_LANES(CROSS)
+    PL_IN_LANES(NORMALIZE)
+    PL_IN_LANES(ABSOLUTE)
+    PL_IN_LANES(MINIMUM)
+    PL_IN_LANES(MAXIMUM)
+    PL_IN_LANES(DOT)
+    PL_IN_LANES(LENGTH)
+    PL_IN_LANES(DISTANCE)
+  }
+#undef PL_IN_LANES
 }
 
 static const pl_constant_row constants[] = {

@@ -1,4 +1,6 @@
 /* Voronoi cells about random sites: distances and a colour for each cell. */
+#include <string.h>
+
 #include "math/cellular.h"
 #include "shade/node_pattern.h"
 #include "shade/node_rows.h"
@@ -19,36 +21,66 @@ static float mean_of(int feature, float randomness, float smoothness) {
   }
 }
 
-/* The distance of the feature, and the cell that contains the point. */
-static float find(int feature, pl_vec3 point, float randomness, float smoothness, uint32_t seed,
-                  pl_cellular *cell) {
-  if (feature == EDGE)
-    return pl_cellular_edge(point, randomness, seed, cell);
-  *cell = pl_cellular_find(point, randomness, seed);
-  if (feature == SMOOTH)
-    return pl_cellular_smooth(point, randomness, smoothness, seed);
-  return feature == FIRST ? cell->first : cell->second;
+/* The distances of the feature, and the cells that contain the points. */
+static void find(const pl_node_call *call, int feature, const pl_pattern_place *place,
+                 pl_cellular_lanes *cell, float distance[PL_LANES]) {
+  const uint32_t seed = pl_pattern_seed(call, 1);
+  const float *randomness = (*call->in[2])[0], *smoothness = (*call->in[3])[0];
+  if (feature == EDGE) {
+    pl_cellular_edge_lanes(&place->point, randomness, seed, cell, distance);
+    return;
+  }
+  if (feature == SMOOTH) {
+    pl_cellular_smooth_lanes(call->count, &place->point, randomness, smoothness, seed, cell,
+                             distance);
+    return;
+  }
+  pl_cellular_find_lanes(&place->point, randomness, seed, cell);
+  memcpy(distance, feature == FIRST ? cell->first : cell->second, sizeof cell->first);
+}
+
+/* Factors on the deviations from the means: of colours, and of the feature's distance. */
+PL_WIDE static bool fade(int feature, const pl_pattern_place *place, float *restrict left,
+                         float *restrict kept) {
+  int seen = 0;
+  PL_EACH_LANE(i) {
+    left[i] = pl_cellular_fade(place->width[i]);
+    kept[i] = feature == EDGE ? pl_cellular_edge_fade(place->width[i]) : left[i];
+    seen |= kept[i] > 0.0f ? 1 : 0;
+  }
+  return seen != 0;
+}
+
+PL_WIDE static void put(const pl_cellular_lanes *cell, const float *restrict distance,
+                        const float *restrict mean, const float *restrict left,
+                        const float *restrict kept, pl_lanes *restrict out) {
+  const pl_vec3f half = {0.5f, 0.5f, 0.5f};
+  PL_EACH_LANE(i) {
+    pl_lane_scalar(out[0], i, mean[i] + kept[i] * (distance[i] - mean[i]));
+    const pl_vec3f color = pl_vec3f_sub(pl_cellular_color(cell->id[i]), half);
+    pl_lane_vector(out[1], i, pl_vec3f_madd(half, left[i], color), 0.0f);
+  }
 }
 
 static void voronoi(const pl_node_call *call) {
-  const pl_pattern_place place = pl_pattern_place_of(call);
   const int feature = (int)call->constants[0].number;
-  const uint32_t seed = pl_pattern_seed(call, 1);
-  const float randomness = call->in[2][0], smoothness = call->in[3][0];
-  const float left = pl_cellular_fade(place.width);
-  const float kept = feature == EDGE ? pl_cellular_edge_fade(place.width) : left;
-  const float mean = mean_of(feature, randomness, smoothness);
-  float distance = mean;
-  pl_cellular cell = {0};
-  if (left > 0.0f) { /* if the cells have faded completely, no search is needed */
-    const int needed = kept > 0.0f ? feature : FIRST;
-    const float found = find(needed, place.point, randomness, smoothness, seed, &cell);
-    distance += kept * (found - mean);
+  float left[PL_LANES], kept[PL_LANES], mean[PL_LANES], distance[PL_LANES];
+  pl_cellular_lanes cell = {0};
+  pl_pattern_place place;
+  pl_pattern_place_of(call, &place);
+  const bool seen = fade(feature, &place, left, kept);
+  const size_t means = pl_node_lanes(call, 1u << 2 | 1u << 3);
+  for (size_t i = 0; i < PL_LANES; i++) {
+    mean[i] = i < means ? mean_of(feature, pl_node_number(call, 2, i), pl_node_number(call, 3, i))
+                        : mean[0];
+    distance[i] = mean[i];
   }
-  pl_value_scalar(call->out[0], distance);
-  const pl_vec3f half = {0.5f, 0.5f, 0.5f};
-  const pl_vec3f color = pl_vec3f_sub(pl_cellular_color(cell.id), half);
-  pl_value_vector(call->out[1], pl_vec3f_madd(half, left, color), 0.0f);
+  float most = 0.0f;
+  for (size_t i = 0; i < PL_LANES; i++)
+    most = pl_maxf(left[i], most);
+  if (most > 0.0f) /* if the cells have faded completely, no search is needed */
+    find(call, seen ? feature : FIRST, &place, &cell, distance);
+  put(&cell, distance, mean, left, kept, call->out);
 }
 
 static const pl_socket inputs[] = {

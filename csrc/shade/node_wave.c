@@ -28,31 +28,38 @@ static double phase_of(int path, pl_vec3 p, pl_vec3 *gradient) {
 /* Box filter over the footprint, along the gradient of the distorted phase. The variance of the
  * box, w^2/12 for a width w, is increased by the variance of the distortion that the footprint
  * hides. */
-static void wave(const pl_node_call *call) {
-  const pl_pattern_place place = pl_pattern_place_of(call);
-  const float distortion = call->in[3][0], detail = call->in[4][0];
+static float wave_at(const pl_node_call *call, const pl_pattern_place *place, size_t lane) {
+  const pl_vec3 point = pl_pattern_point(place, lane);
+  const float distortion = pl_node_number(call, 3, lane), detail = pl_node_number(call, 4, lane);
   pl_vec3 gradient;
-  double phase =
-      (double)call->in[2][0] + phase_of((int)call->constants[0].number, place.point, &gradient);
+  double phase = (double)pl_node_number(call, 2, lane) +
+                 phase_of((int)call->constants[0].number, point, &gradient);
   double hidden = 0.0;
   if (distortion != 0.0f) {
-    const pl_fractal shape = {.octaves = call->in[5][0],
-                              .roughness = call->in[6][0],
+    const pl_fractal shape = {.octaves = pl_node_number(call, 5, lane),
+                              .roughness = pl_node_number(call, 6, lane),
                               .lacunarity = 2.0f,
                               .seed = pl_pattern_seed(call, 2)};
     const pl_fractal_value shift =
-        pl_fractal_gradient(&shape, pl_vec3_scale(place.point, (double)detail),
-                            detail != 0.0f ? place.width * fabsf(detail) : 0.0f);
+        pl_fractal_gradient(&shape, pl_vec3_scale(point, (double)detail),
+                            detail != 0.0f ? place->width[lane] * fabsf(detail) : 0.0f);
     phase += (double)(distortion * shift.value);
     gradient =
         pl_vec3_madd(gradient, (double)(distortion * detail), pl_vec3f_to_double(shift.gradient));
     hidden = 12.0 * (double)(distortion * distortion * shift.lost_variance);
   }
-  const double slope = pl_vec3_norm(gradient), side = (double)place.side;
+  const double slope = pl_vec3_norm(gradient), side = (double)place->side[lane];
   const double along = slope > 0.0 ? slope * side : 0.0;
   const float width = isinf(side) ? (float)side : (float)sqrt(along * along + hidden);
-  pl_value_scalar(call->out[0],
-                  pl_wave((pl_wave_shape)(int)call->constants[1].number, phase, width));
+  return pl_wave((pl_wave_shape)(int)call->constants[1].number, phase, width);
+}
+
+static void wave(const pl_node_call *call) {
+  pl_pattern_place place;
+  pl_pattern_place_of(call, &place);
+  for (size_t i = 0; i < call->count; i++)
+    pl_lane_scalar(call->out[0], i, wave_at(call, &place, i));
+  pl_lanes_fill(call->out[0], call->count);
 }
 
 static const pl_socket inputs[] = {

@@ -3,12 +3,15 @@
 #ifndef PL_SHADE_SOCKET_H
 #define PL_SHADE_SOCKET_H
 
+#include "base/wide.h"
 #include "math/vec.h"
 
 /* Value on a link: x, y, z, and for positions the radius of the footprint, in the units of the
  * position: patterns smaller than that are replaced by their mean. An infinite radius is the mean
  * over everything. A scalar is stored in x, y and z alike, so that it may be used as a vector. */
 typedef float pl_value[4];
+/* A value at each point of a batch: first the index of the number, then the lane. */
+typedef float pl_lanes[4][PL_LANES];
 
 /* A scalar input converts a vector to its mean, and a colour to its luminance (Rec. 709). */
 typedef enum pl_socket_type { PL_SCALAR, PL_VECTOR, PL_COLOR } pl_socket_type;
