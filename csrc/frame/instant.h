@@ -6,6 +6,13 @@
 #include "frame/survey.h"
 #include "render/render.h"
 
+/* Directions in which rays leave that are not those of the camera's pixels. */
+typedef struct pl_looks {
+  pl_vec3 axis;          /* of a cone that contains them, unit, camera axes */
+  double half_angle_rad; /* of the cone */
+  double pixel_rad;      /* angle that a ray stands for; 0: rays are those of pixels */
+} pl_looks;
+
 /* Settings for making an instant from a survey: derived from a frame's plan, or fixed. */
 typedef struct pl_choice {
   pl_render_settings settings; /* without the borrowed pointers */
@@ -14,6 +21,7 @@ typedef struct pl_choice {
   int threads;       /* that build height fields; the result is the same for any number */
   pl_cancel *cancel; /* borrowed; may be NULL */
   bool distortion, depth_of_field;
+  pl_looks looks; /* all zero: rays are those of pixels */
   bool terrain, far_casters;
   bool albedo;   /* labels show the ground's albedo */
   bool colour;   /* false: labels only, and the fields below are ignored */

@@ -13,6 +13,7 @@
 #include "pyext/py_image.h"
 #include "pyext/py_orbit.h"
 #include "pyext/py_propagator.h"
+#include "pyext/py_ray_source.h"
 #include "pyext/py_request.h"
 #include "pyext/py_tree.h"
 #include "pyext/py_types.h"
@@ -91,6 +92,9 @@ static PyMethodDef functions[] = {
     {"project", pl_py_project, METH_VARARGS, "Pixels of points in camera axes."},
     {"rim_images", pl_py_rim_images, METH_VARARGS, "Images of the rims of craters."},
     {"simplify", simplify, METH_VARARGS, "Indices of a mesh with fewer triangles."},
+    {"source_extent", pl_py_source_extent, METH_O,
+     "Number of beams of a ray source, and its time."},
+    {"source_rays", pl_py_source_rays, METH_O, "The rays of a ray source."},
     {"sunlight", (PyCFunction)(void (*)(void))pl_py_sunlight, METH_VARARGS | METH_KEYWORDS,
      "The fraction of the sun's light that bodies let through."},
     {"version", version, METH_NOARGS, "Versions of what the core was built with."},
@@ -175,6 +179,9 @@ static int execute(PyObject *module) {
       add(module, "CRATER", pl_py_crater_record()) < 0 ||
       add(module, "RIM_IMAGE", pl_py_rim_record()) < 0 ||
       add(module, "CRATER_LAWS", named_rows(PL_CRATER_LAWS, crater_law_name, crater_law_doc)) < 0 ||
+      add(module, "RAY_SOURCES", pl_py_ray_sources()) < 0 ||
+      add(module, "LIDAR_RETURN", pl_py_lidar_return()) < 0 ||
+      add(module, "TIME_OF_FLIGHT_PIXEL", pl_py_time_of_flight_pixel()) < 0 ||
       add(module, "ROCK", pl_py_rock_record()) < 0 ||
       add(module, "ROCK_LAWS", named_rows(PL_ROCK_LAWS, rock_law_name, rock_law_doc)) < 0 ||
       add(module, "ROCK_FAMILIES",

@@ -1,5 +1,5 @@
 /* The type Renderer: renders frames of one scene. Releases the GIL, and handles ctrl-C. */
-#include "pyext/py_request.h"
+#include "pyext/py_renderer.h"
 #include "pyext/py_sky.h"
 #include "pyext/py_types.h"
 
@@ -8,17 +8,6 @@
 
 #include "base/memory.h"
 #include "frame/measure.h"
-
-typedef struct renderer_object {
-  PyObject_HEAD PyObject *scene; /* Scene */
-  const pl_scene *core;          /* content of `scene` */
-  pl_renderer *renderer;         /* owned */
-  pl_py_states states;
-  pl_py_other others[PL_FLOW_FRAMES];
-  pid_t pid; /* process that created it: Embree and its memory do not work in a forked child */
-  /* guarded by the GIL; set from before a request is parsed until after its result is built */
-  int busy;
-} renderer_object;
 
 static void free_states(pl_py_states *states) {
   pl_free(states->objects);
@@ -30,7 +19,7 @@ static void free_states(pl_py_states *states) {
 }
 
 static void renderer_dealloc(PyObject *object) {
-  renderer_object *self = (renderer_object *)object;
+  pl_py_renderer *self = (pl_py_renderer *)object;
   PyTypeObject *type = Py_TYPE(object);
   /* a forked child has only an unusable copy of the device, which is not freed */
   if (self->pid == getpid())
@@ -58,7 +47,7 @@ static pl_status take_states(const pl_scene *scene, pl_py_states *out) {
   return PL_OK;
 }
 
-static pl_status open_renderer(renderer_object *self) {
+static pl_status open_renderer(pl_py_renderer *self) {
   PL_TRY(take_states(self->core, &self->states));
   for (int i = 0; i < PL_FLOW_FRAMES; i++) {
     void *changed;
@@ -77,8 +66,7 @@ static PyObject *renderer_new(PyTypeObject *type, PyObject *args, PyObject *kwar
   const pl_scene *core = pl_py_scene_freeze(scene);
   if (core == NULL)
     return NULL;
-  renderer_object *self =
-      (renderer_object *)((allocfunc)PyType_GetSlot(type, Py_tp_alloc))(type, 0);
+  pl_py_renderer *self = (pl_py_renderer *)((allocfunc)PyType_GetSlot(type, Py_tp_alloc))(type, 0);
   if (self == NULL)
     return NULL;
   self->scene = Py_NewRef(scene);
@@ -156,7 +144,7 @@ static PyObject *result_dict(const pl_frame_result *result) {
                        "widened_body", result->ground_widened_body);
 }
 
-static void end(renderer_object *self) {
+void pl_py_renderer_end(pl_py_renderer *self) {
   PyObject *kept = self->states.kept;
   self->states.kept = NULL;
   pl_py_scene_release(self->scene);
@@ -164,10 +152,7 @@ static void end(renderer_object *self) {
   Py_XDECREF(kept); /* last, since it may run Python code too */
 }
 
-/* Acquires the renderer and its scene. Called before any part of the request is read: values,
- * arrays and mappings may run arbitrary code when they are accessed, including frames of this
- * renderer. */
-static int begin(renderer_object *self) {
+int pl_py_renderer_begin(pl_py_renderer *self) {
   if (self->pid != getpid()) {
     PyErr_SetString(PyExc_ValueError,
                     "this Renderer was made in another process; make one in each process");
@@ -184,58 +169,77 @@ static int begin(renderer_object *self) {
   self->states.kept = PyList_New(0);
   if (self->states.kept != NULL)
     return 0;
-  end(self);
+  pl_py_renderer_end(self);
   return -1;
 }
 
-typedef pl_status (*renderer_fn)(pl_renderer *, const pl_frame_request *, pl_frame_result *);
-
-static PyObject *run(renderer_object *self, pl_frame_request *request, renderer_fn function) {
-  pl_frame_result result;
+pl_status pl_py_renderer_run(pl_frame_request *request, pl_status (*work)(void *), void *context) {
   poller poller = {NULL, now_s()};
   pl_cancel cancel = {.poll = poll_signals, .context = &poller};
   request->cancel = &cancel;
   poller.state = PyEval_SaveThread();
-  const pl_status status = function(self->renderer, request, &result);
+  const pl_status status = work(context);
   PyEval_RestoreThread(poller.state);
-  return status == PL_OK ? result_dict(&result) : pl_py_raise(status);
+  request->cancel = NULL;
+  return status;
+}
+
+typedef struct frame_work {
+  pl_renderer *renderer;
+  const pl_frame_request *request;
+  pl_frame_result result;
+  pl_status (*function)(pl_renderer *, const pl_frame_request *, pl_frame_result *);
+} frame_work;
+
+static pl_status make_frame(void *context) {
+  frame_work *work = context;
+  return work->function(work->renderer, work->request, &work->result);
+}
+
+static PyObject *run(pl_py_renderer *self, pl_frame_request *request,
+                     pl_status (*function)(pl_renderer *, const pl_frame_request *,
+                                           pl_frame_result *)) {
+  frame_work work = {.renderer = self->renderer, .request = request, .function = function};
+  const pl_status status = pl_py_renderer_run(request, make_frame, &work);
+  return status == PL_OK ? result_dict(&work.result) : pl_py_raise(status);
 }
 
 static PyObject *renderer_render(PyObject *object, PyObject *args, PyObject *kwargs) {
   static char *names[] = {"request", "out", "threads", NULL};
-  renderer_object *self = (renderer_object *)object;
+  pl_py_renderer *self = (pl_py_renderer *)object;
   PyObject *request, *out, *result = NULL;
   pl_frame_request frame = {.threads = 1};
   if (!PyArg_ParseTupleAndKeywords(args, kwargs, "OO|i:render", names, &request, &out,
                                    &frame.threads) ||
-      begin(self) < 0)
+      pl_py_renderer_begin(self) < 0)
     return NULL;
   if (pl_py_request_parse(request, self->core, &self->states, &frame) == 0 &&
       pl_py_others_parse(request, self->core, self->others, &frame) == 0 &&
       pl_py_request_outputs(out, self->core, self->states.kept, &frame) == 0)
     result = run(self, &frame, pl_renderer_frame);
-  end(self);
+  pl_py_renderer_end(self);
   return result;
 }
 
 static PyObject *renderer_plan(PyObject *object, PyObject *request) {
-  renderer_object *self = (renderer_object *)object;
+  pl_py_renderer *self = (pl_py_renderer *)object;
   pl_frame_request frame = {.threads = 1};
   PyObject *result = NULL;
-  if (begin(self) < 0)
+  if (pl_py_renderer_begin(self) < 0)
     return NULL;
   if (pl_py_request_parse(request, self->core, &self->states, &frame) == 0)
     result = run(self, &frame, pl_renderer_plan);
-  end(self);
+  pl_py_renderer_end(self);
   return result;
 }
 
 static PyObject *renderer_measure_rays(PyObject *object, PyObject *args) {
-  renderer_object *self = (renderer_object *)object;
+  pl_py_renderer *self = (pl_py_renderer *)object;
   PyObject *request;
   int repeats;
   pl_frame_request frame = {.threads = 1};
-  if (!PyArg_ParseTuple(args, "Oi:measure_rays", &request, &repeats) || begin(self) < 0)
+  if (!PyArg_ParseTuple(args, "Oi:measure_rays", &request, &repeats) ||
+      pl_py_renderer_begin(self) < 0)
     return NULL;
   pl_ray_times primary, shadow;
   const int parsed = pl_py_request_parse(request, self->core, &self->states, &frame);
@@ -245,7 +249,7 @@ static PyObject *renderer_measure_rays(PyObject *object, PyObject *args) {
         pl_measure_rays(self->core, &frame.placement, repeats, &primary, &shadow);
     Py_END_ALLOW_THREADS
   }
-  end(self);
+  pl_py_renderer_end(self);
   if (parsed < 0)
     return NULL;
   if (status != PL_OK)
@@ -261,6 +265,13 @@ static PyMethodDef renderer_methods[] = {
     {"render", (PyCFunction)(void (*)(void))renderer_render, METH_VARARGS | METH_KEYWORDS,
      "Fills the arrays of `out`; returns exposure, plan and timings."},
     {"plan", renderer_plan, METH_O, "The plan of a frame, without rendering it."},
+    {"trace", (PyCFunction)(void (*)(void))pl_py_renderer_trace, METH_VARARGS | METH_KEYWORDS,
+     "Traces rays of a source: what they hit, with labels."},
+    {"lidar", (PyCFunction)(void (*)(void))pl_py_renderer_lidar, METH_VARARGS | METH_KEYWORDS,
+     "Scans with a LiDAR; returns an array of LIDAR_RETURN."},
+    {"time_of_flight", (PyCFunction)(void (*)(void))pl_py_renderer_time_of_flight,
+     METH_VARARGS | METH_KEYWORDS,
+     "A picture of a time-of-flight camera: an array of TIME_OF_FLIGHT_PIXEL."},
     {NULL, NULL, 0, NULL},
 };
 
@@ -272,5 +283,5 @@ static PyType_Slot renderer_slots[] = {
     {0, NULL},
 };
 
-PyType_Spec pl_py_renderer_spec = {"perilune._core.Renderer", sizeof(renderer_object), 0,
+PyType_Spec pl_py_renderer_spec = {"perilune._core.Renderer", sizeof(pl_py_renderer), 0,
                                    Py_TPFLAGS_DEFAULT, renderer_slots};

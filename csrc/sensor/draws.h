@@ -1,4 +1,4 @@
-/* Random numbers of the sensor's stages: pure functions of the seed and of the quantity drawn. */
+/* Random numbers of sensors: pure functions of the seed and of the quantity drawn. */
 #ifndef PL_SENSOR_DRAWS_H
 #define PL_SENSOR_DRAWS_H
 
@@ -15,6 +15,11 @@ typedef enum pl_draw {
   PL_DRAW_RAY,
   PL_DRAW_ROW,
   PL_DRAW_FLICKER,
+  PL_DRAW_LIDAR,
+  PL_DRAW_TAP,
+  PL_DRAW_THRESHOLD,
+  PL_DRAW_LEAK,
+  PL_DRAW_EVENT,
 } pl_draw;
 
 /* Random stream of one quantity: key (seed, quantity), counter (pixel or item, frame, n, 0). */
