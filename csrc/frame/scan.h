@@ -15,9 +15,9 @@ enum { PL_SCAN_INSTANTS_MAX = 4096 };
 typedef struct pl_scan {
   pl_ray_source
       source; /* times are within the request's exposure; its camera is that of the request */
-  /* Instants of the exposure. Each ray leaves at its own time, and meets the surface that it hits
-   * where that is at its own time. Only what hides what is taken at the nearest instant, and
-   * articulated parts move from instant to instant. */
+  /* Instants of the exposure. Each ray leaves at its own time and meets every surface where that is
+   * then. Only articulated parts, the choice of the ground's tiles, and what mirrors and clear
+   * walls lead to are those of the nearest instant. */
   int instants;
   int band; /* of colours that the sensor's light has, 0..2 */
 } pl_scan;

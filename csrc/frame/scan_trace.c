@@ -1,9 +1,11 @@
-/* Tracing of scans. A ray is placed by the sensor's pose at its own time. What it hits at the
- * instant moves on or back with the surface to that time: the ray is traced again as the surface's
- * own axes see it, and what it then meets of the same surface is exact. */
+/* Tracing of scans. A ray is placed by the sensor's pose at its own time, while the tracer has all
+ * surfaces where they are at an instant. For each surface that moves in between, and whose bounds
+ * the ray touches, the ray is moved as that surface's axes see it and traced again; only its own
+ * hits count. The nearest of all is exact at the time of the ray. */
 #include "frame/scan_trace.h"
 
 #include "base/memory.h"
+#include "render/geometry.h"
 #include "scene/shutter.h"
 #include "trace/height_field.h"
 
@@ -162,26 +164,98 @@ static void fill_tile(const pl_scan_job *job, size_t item, pl_scan_chunk *chunk)
 
 /* --- tracing ---------------------------------------------------------------------------------- */
 
-/* Traces a ray again as the surface that it hit sees it at the ray's time. Keeps the first hit if
- * it then meets another surface. */
-static void follow(const pl_scan_job *job, size_t i, pl_scan_chunk *chunk) {
-  const pl_surface_id id = chunk->hits[i].surface_id;
-  pl_echo_ray *way = &chunk->ways[i];
-  if (pl_surface_is_none(id))
+/* Surfaces of one motion, as rays meet them: an object, a body, or all that stands still. */
+typedef struct group {
+  const pl_motion *motion; /* NULL: all that stands still between the ray's time and the instant */
+  carry by;
+} group;
+
+/* Number of surfaces of other motions that a ray passes before it is given up. */
+enum { PASSES = 64 };
+
+static bool is_of(const pl_scan_job *job, const pl_scan_ray *ray, const group *group,
+                  pl_surface_id id) {
+  return group->motion != NULL ? motion_of(job, id) == group->motion
+                               : !carry_of(job, ray->u, id).moves;
+}
+
+/* Lets a ray go on behind a hit; returns by how far its origin moved. */
+static double pass(const pl_scan_job *job, const pl_hit *hit, pl_ray *query) {
+  const double part = 1e-6, rounding = 1e-12;
+  if (pl_surface_is_ellipsoid(hit->surface_id)) {
+    query->skip_body = (uint32_t)pl_surface_index(hit->surface_id);
+    return 0.0;
+  }
+  const pl_geometry_bounds bounds =
+      pl_geometry_of(hit->surface_id)->bounds(&job->instant->shot, hit->surface_id);
+  const double step = hit->t * (1.0 + rounding) + part * bounds.radius_m;
+  query->origin = pl_vec3_madd(query->origin, step, query->direction);
+  return step;
+}
+
+/* Finds where a ray meets the surfaces of a group first, as these see it at its time: others are
+ * where they are at the instant, and do not count. */
+static bool meet_group(const pl_scan_job *job, const pl_scan_ray *ray, const group *group,
+                       const pl_ray *query, pl_hit *hit) {
+  pl_ray moved = *query;
+  double passed_m = 0.0;
+  if (group->by.moves) {
+    moved.origin = carry_point(&group->by, query->origin);
+    moved.direction = pl_mat3_mul_vec(group->by.turn, query->direction);
+  }
+  for (int i = 0; i < PASSES; i++) {
+    pl_tracer_closest(job->instant->tracer, &moved, hit, 1, false, true);
+    if (pl_surface_is_none(hit->surface_id))
+      return false;
+    if (is_of(job, ray, group, hit->surface_id)) {
+      hit->t += passed_m;
+      return true;
+    }
+    passed_m += pass(job, hit, &moved);
+  }
+  return false;
+}
+
+/* Whether a ray touches the bounds of a surface, moved to the ray's time, before `limit_m`. */
+static bool may_meet(const pl_scan_job *job, const pl_ray *query, const carry *by, pl_surface_id id,
+                     double limit_m) {
+  const pl_geometry_bounds at = pl_geometry_of(id)->bounds(&job->instant->shot, id);
+  const pl_vec3 center =
+      pl_vec3_add(by->from, pl_mat3_mul_vec_t(by->turn, pl_vec3_sub(at.center, by->to)));
+  const pl_vec3 to = pl_vec3_sub(center, query->origin);
+  const double along = pl_vec3_dot(to, query->direction), square = pl_vec3_dot(to, to);
+  const double radius = at.radius_m * (1.0 + 1e-6), off = square - along * along;
+  if (off > radius * radius + 1e-9 * square || (along < 0.0 && square > radius * radius))
+    return false;
+  return along - radius < limit_m;
+}
+
+/* Replaces the hit of way `i` if a surface that moves is met before. */
+static void offer(const pl_scan_job *job, size_t i, pl_surface_id id, pl_scan_chunk *chunk) {
+  const pl_scan_ray *ray = &chunk->rays[chunk->ways[i].index];
+  const group group = {motion_of(job, id), carry_of(job, ray->u, id)};
+  pl_hit *best = &chunk->hits[i], hit;
+  const double limit_m = pl_surface_is_none(best->surface_id) ? INFINITY : best->t;
+  if (!group.by.moves || !may_meet(job, &chunk->queries[i], &group.by, id, limit_m) ||
+      !meet_group(job, ray, &group, &chunk->queries[i], &hit) || !(hit.t < limit_m))
     return;
-  const carry by = carry_of(job, chunk->rays[way->index].u, id);
-  if (!by.moves)
-    return;
-  pl_ray query = chunk->queries[i];
-  pl_hit hit;
-  query.origin = carry_point(&by, query.origin);
-  query.direction = pl_mat3_mul_vec(by.turn, query.direction);
-  pl_tracer_closest(job->instant->tracer, &query, &hit, 1, false, true);
-  if (!pl_surface_same(hit.surface_id, id))
-    return;
-  chunk->hits[i] = hit;
-  way->beam.origin = query.origin;
-  way->beam.direction = query.direction;
+  *best = hit;
+  chunk->ways[i].beam.origin = carry_point(&group.by, chunk->queries[i].origin);
+  chunk->ways[i].beam.direction = pl_mat3_mul_vec(group.by.turn, chunk->queries[i].direction);
+}
+
+/* Finds the first hit of way `i` with everything where it is at the ray's time. */
+static void closest_at_its_time(const pl_scan_job *job, size_t i, pl_scan_chunk *chunk) {
+  const pl_snapshot *shot = &job->instant->shot;
+  const group still = {.motion = NULL};
+  if (!meet_group(job, &chunk->rays[chunk->ways[i].index], &still, &chunk->queries[i],
+                  &chunk->hits[i]))
+    chunk->hits[i].surface_id = PL_NO_SURFACE;
+  for (size_t k = 0; k < shot->object_count; k++)
+    offer(job, i, shot->objects[k].id, chunk);
+  for (size_t k = 0; k < shot->body_count; k++)
+    if (shot->bodies[k].shape == NULL)
+      offer(job, i, pl_shot_surface_of(&shot->bodies[k], k), chunk);
 }
 
 /* Adds the surface that way `i` meets. */
@@ -208,13 +282,15 @@ static void trace_chunk(const pl_scan_job *job, pl_scan_chunk *chunk) {
     start_ray(job, (uint32_t)i, chunk);
   for (int depth = 0; count > 0; depth++) {
     size_t kept = 0;
-    pl_tracer_closest(instant->tracer, chunk->queries, chunk->hits, count, job->tiled, true);
+    if (job->moves && depth == 0)
+      for (size_t i = 0; i < count; i++)
+        closest_at_its_time(job, i, chunk);
+    else
+      pl_tracer_closest(instant->tracer, chunk->queries, chunk->hits, count, job->tiled, true);
     for (size_t i = 0; i < count; i++) {
       if (pl_surface_is_none(chunk->hits[i].surface_id) ||
           chunk->rays[chunk->ways[i].index].beam == SIZE_MAX)
         continue;
-      if (depth == 0)
-        follow(job, i, chunk);
       const pl_vertex *point = meet(job, i, chunk);
       const pl_echo_ray way = chunk->ways[i];
       if (job->shades && depth + 1 < PL_ECHO_DEPTH &&

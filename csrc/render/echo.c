@@ -72,6 +72,8 @@ bool pl_echo_continue(const pl_snapshot *shot, const pl_echo_ray *ray, int band,
   if (!through && !(pl_vec3f_dot(turned, s->ng) > 0.0f))
     return false; /* the interpolated normal sends it into the surface */
   *query = pl_vertex_ray(vertex, shot, through ? ahead : turned, INFINITY);
+  if (through)
+    query->direction = ray->beam.direction; /* not rounded */
   *next = *ray;
   next->beam.origin = query->origin;
   next->beam.direction = query->direction;

@@ -18,7 +18,6 @@ typedef struct pl_echo_ray {
   float passed;   /* of its power: what mirrors and walls left, one way */
   uint32_t index; /* the caller's */
   uint8_t path;   /* bits */
-  bool carried;   /* the caller's: it was moved into the past or future of what it met */
 } pl_echo_ray;
 
 typedef struct pl_echo {

@@ -59,6 +59,21 @@ from perilune._core_records import (
 from perilune._core_records import (
     Socket as Socket,
 )
+from perilune._core_scan import (
+    LIDAR_RETURN as LIDAR_RETURN,
+)
+from perilune._core_scan import (
+    RAY_SOURCES as RAY_SOURCES,
+)
+from perilune._core_scan import (
+    TIME_OF_FLIGHT_PIXEL as TIME_OF_FLIGHT_PIXEL,
+)
+from perilune._core_scan import (
+    source_extent as source_extent,
+)
+from perilune._core_scan import (
+    source_rays as source_rays,
+)
 from perilune._core_terrain import (
     CraterField as CraterField,
 )
@@ -391,6 +406,47 @@ class Renderer:
         "objects": (objects,) of OBJECT_LABEL, and "masks": (objects, height, width) uint8, 1 on
         the full silhouette of each object inside the image, hidden parts too (the visible part is
         where "instance" is the object's). Releases the GIL; ctrl-C cancels."""
+    def trace(
+        self,
+        request: FrameRequest,
+        source: Mapping[str, Any],
+        out: Mapping[str, NDArray[Any]],
+        threads: int = 1,
+        instants: int = 1,
+        shade: bool = False,
+        band: int = 0,
+    ) -> dict[str, NDArray[Any]]:
+        """Traces the n rays of a source (see RAY_SOURCES), which leave within the request's
+        exposure, and fills the channels of `out`, shape (1, n) or (1, n, components): those that
+        need no neighbours. Returns "range_m" (n,), nan where nothing is hit, "origin_m",
+        "position_m" (n, 3) in the root frame and "normal" (n, 3) at the time of each ray, and with
+        `shade` "reflectance" (n,) of colour `band`. instants: at which it is decided what hides
+        what."""
+    def lidar(
+        self,
+        request: FrameRequest,
+        source: Mapping[str, Any],
+        lidar: Mapping[str, Any],
+        threads: int = 1,
+        instants: int = 1,
+        band: int = 0,
+    ) -> NDArray[Any]:
+        """Returns of a LiDAR: an array of LIDAR_RETURN. lidar: {"keep": "all" | "first" |
+        "strongest" | "last", "most": 1..8, "stream": its number, "resolution_m", "min_range_m",
+        "max_range_m", "reference_m", "least_intensity", "dropout", "noise_m", "shot_noise_m",
+        "gain_noise", "ambiguity_m": 0 for none}."""
+    def time_of_flight(
+        self,
+        request: FrameRequest,
+        source: Mapping[str, Any],
+        camera: Mapping[str, Any],
+        threads: int = 1,
+        instants: int = 1,
+        band: int = 0,
+    ) -> NDArray[Any]:
+        """Pixels of a time-of-flight camera, row by row: an array of TIME_OF_FLIGHT_PIXEL. source:
+        of kind "pixels". camera: {"modulation_hz": (1..4,) whole numbers, "signal_e", "ambient_e",
+        "read_e", "contrast", "full_well_e", "least_e"}."""
     def measure_rays(
         self, request: FrameRequest, repeats: int, /) -> dict[str, tuple[int, float, float]]:
         """For benchmarks: "primary" and "shadow" rays of a frame -> (rays, seconds in the tracer,

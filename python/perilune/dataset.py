@@ -10,9 +10,10 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 from perilune.base.arguments import whole
+from perilune.base.processors import default_threads
 from perilune.base.workers import in_torch_worker, torch_worker
 from perilune.sample import Sample
-from perilune.simulation import ConfigSource, Simulation, default_threads
+from perilune.simulation import ConfigSource, Simulation
 from perilune.simulation import open as open_simulation
 from perilune.training.batches import collate, tell_torch
 from perilune.training.ledger import Ledger

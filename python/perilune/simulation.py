@@ -14,11 +14,11 @@ from numpy.typing import NDArray
 from perilune import _core
 from perilune.base import arguments
 from perilune.base.hooks import Hook
+from perilune.base.processors import default_threads
 from perilune.base.same import Same
 from perilune.base.timeline import Timeline
 from perilune.bodies.shapes import BodyShape
 from perilune.camera import bands, trajectories
-from perilune.camera.imaging import intrinsics
 from perilune.config import Config, ConfigError
 from perilune.config.errors import named
 from perilune.document import Document, load
@@ -32,8 +32,10 @@ from perilune.document.references import (
 from perilune.frame import craters, labels, motion, passes, shutter
 from perilune.frame.ground_tables import GroundTables, body_with_terrain
 from perilune.frame.handles import Assets, Handles, ObjectModel
+from perilune.frame.placing import placed
+from perilune.frame.range_sensors import RangeSensors
 from perilune.frame.remarks import Remarks
-from perilune.frame.request import arrays_of, camera_label, request_of
+from perilune.frame.request import arrays_of, camera_label
 from perilune.frame.rows import row_poses
 from perilune.frame.shown import Plan
 from perilune.frame.states import states
@@ -61,13 +63,6 @@ _orphans: list[Handles | Assets] = []
 threads do not exist in the child; so they stay referenced until the child ends."""
 
 
-def default_threads() -> int:
-    """Number of processors that this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
-
-
 class _Store:
     """The assets that a simulation shares with those derived from it, one set per process."""
 
@@ -88,7 +83,7 @@ class _Store:
         return self._assets
 
 
-class Simulation:
+class Simulation(RangeSensors):
     """Random access to frames: `sim[i]` is the same whatever was rendered before, in any process.
 
     perilune.open makes one. It pickles as its configuration; every process, forked ones too,
@@ -310,31 +305,8 @@ class Simulation:
         self, scene: World, posed: Mapping[str, articulation.Posed] | None = None
     ) -> _core.FrameRequest:
         """The request without sky and volumes."""
-        handles = self._mine()
-        posed = posed or handles.posed(shutter.middle(scene))
-        scales = handles.scales(scene.config)
-        request = request_of(
-            scene,
-            self._camera_poses(scene),
-            scales,
-            articulation.stacked(posed),
-            self._keys(scene),
-            self._document.path,
-        )
-        request["graph_parameters"] = handles.looks.parameters(scene.config)
-        return request
-
-    def _keys(self, scene: World) -> shutter.Keys | None:
-        """Poses at times within the exposure; None without an exposure time."""
-        if scene.window_s == 0.0:
-            return None
-        exposure = shutter.Exposure(
-            scene,
-            self._camera_poses,
-            lambda world: articulation.stacked(self._mine().posed(world)),
-            hooked=self._trajectory is not None or scene.camera.trajectory.kind == "hook",
-        )
-        return shutter.keys(scene, float(intrinsics(scene.camera)[0, 0]), exposure)
+        hooked = self._trajectory is not None
+        return placed(scene, self._mine(), self._camera_poses, hooked, posed)
 
     def _add_neighbours(
         self, request: _core.FrameRequest, scene: World, names: Sequence[str]

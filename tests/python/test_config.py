@@ -450,6 +450,8 @@ def test_every_physical_key_has_its_unit():
         "_m",
         "_km",
         "_s",
+        "_hz",
+        "_e",
         "_deg",
         "_deg_s",
         "_px",
@@ -510,6 +512,8 @@ def test_every_physical_key_has_its_unit():
         "breccia", "pitted", "abundance", "least_burial", "most_burial",  # of rocks
         "least_depth", "least_kept",  # of labels
         "points",  # of discs
+        "columns", "rows", "pulses", "steps", "pattern", "sub_rays", "instants", "max_returns",
+        "min_intensity", "dropout", "intensity_noise", "contrast", "time_of_flight", "lidars",
         "albedo_contrast", "band", "offset", "reach", "at_rim",  # of maps, and of rays and blocks
     }  # fmt: skip
     schema = Config.model_json_schema()

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 import perilune
-from perilune import _core, simulation
-from perilune.base import rotations
+from perilune import _core
+from perilune.base import processors, rotations
 from perilune.config import ConfigError
 from perilune.document.loader import read_tree
 from perilune.frame import shutter
@@ -386,4 +386,4 @@ def test_demo(repo_dir):
 
 
 def test_default_threads_is_what_the_process_may_use():
-    assert 1 <= simulation.default_threads() <= 4096
+    assert 1 <= processors.default_threads() <= 4096

@@ -14,13 +14,14 @@ import numpy as np
 
 import perilune
 from perilune import _core
+from perilune.base.processors import default_threads
 from perilune.cli.command import OK, Command
 from perilune.cli.options import add_overrides, open_simulation
 from perilune.config.errors import ModelWarning
 from perilune.config.sensor_presets import PRESETS
 from perilune.document.paths import DATA_VARIABLE
 from perilune.orbits.almanac import sources
-from perilune.simulation import Simulation, default_threads
+from perilune.simulation import Simulation
 
 
 def _configure(parser: ArgumentParser) -> None:

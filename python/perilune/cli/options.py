@@ -6,8 +6,9 @@ from argparse import ArgumentParser, ArgumentTypeError, Namespace
 from collections.abc import Callable
 
 import perilune
+from perilune.base.processors import default_threads
 from perilune.document import parse_override
-from perilune.simulation import Simulation, default_threads
+from perilune.simulation import Simulation
 
 LAST_FRAME = 2**31 - 1
 

@@ -28,12 +28,14 @@ from perilune.config.ephemeris import Ephemeris
 from perilune.config.errors import fail, nearest
 from perilune.config.faces import DEFAULT, Faces
 from perilune.config.labels import ClassPatterns, CraftClasses, Labels
+from perilune.config.lidar import Lidar
 from perilune.config.materials import DriverSection, Material, MaterialDrivers, MaterialUse
 from perilune.config.motion import check_motion, check_steps
 from perilune.config.orbit import Orbit
 from perilune.config.parts import Parts
 from perilune.config.sensors import Sensor
 from perilune.config.sky import Sky
+from perilune.config.time_of_flight import TimeOfFlight
 from perilune.config.trajectory import check_trajectory
 from perilune.config.types import (
     Direction,
@@ -490,6 +492,11 @@ class Config(Strict):
     """Several cameras in place of `camera`: name -> sensor. Keys that a sensor does not give are
     those of `camera`. In each step every triggered sensor takes a frame, in the order of this
     file."""
+    lidars: dict[str, Lidar] = Field(default_factory=dict)
+    """LiDARs on the platform: name -> LiDAR. `Simulation.lidar` scans from the step of a frame
+    on."""
+    time_of_flight: TimeOfFlight | None = None
+    """What `Simulation.time_of_flight` takes pictures with."""
     render: Render = Render.of_defaults()
     labels: Labels = Labels.of_defaults()
     drivers: Drivers = Drivers.of_defaults()
@@ -529,6 +536,7 @@ class Config(Strict):
             "spacecraft": self.spacecraft,
             "materials": self.materials,
             "sensors": self.sensors,
+            "lidars": self.lidars,
             "volumes": self.volumes,
         }
         for section, names in sections.items():

@@ -39,6 +39,13 @@ def _mounting_tag(value: Any) -> str:
     return "pose" if isinstance(value, (list, tuple)) else "mounting"
 
 
+Transformation = Annotated[
+    Annotated[Annotated[Pose, AfterValidator(_quaternion)], Tag("pose")]
+    | Annotated[Mounting, Tag("mounting")],
+    Discriminator(_mounting_tag),
+]
+
+
 class Sensor(Strict):
     """A camera on the platform: its mounting, and the keys in which it differs from `camera`."""
 
@@ -65,11 +72,7 @@ class Sensor(Strict):
     """Spectral bands of the channel `bands`. Replaces the platform's list as a whole."""
     sensor: ImageSensor | None = None
     """Image sensor. Replaces the platform's section as a whole."""
-    transformation: Annotated[
-        Annotated[Annotated[Pose, AfterValidator(_quaternion)], Tag("pose")]
-        | Annotated[Mounting, Tag("mounting")],
-        Discriminator(_mounting_tag),
-    ] = Mounting.of_defaults()
+    transformation: Transformation = Mounting.of_defaults()
     """Pose on the platform: {position_m, rotation_deg}, or [x, y, z, qw, qx, qy, qz] in metres,
     from the sensor's axes to the platform's. `camera.trajectory` moves the platform, whose axes are
     x right, y down, z forward."""

@@ -28,7 +28,7 @@ from perilune.camera.trajectories.relative import relative
 from perilune.camera.trajectories.spiral import spiral
 from perilune.camera.trajectories.traverse import traverse
 from perilune.camera.trajectories.view import refuse, unclear
-from perilune.config.sensors import Mounting, Sensor
+from perilune.config.sensors import Mounting, Transformation
 from perilune.world import World
 
 F64 = NDArray[np.float64]
@@ -59,9 +59,8 @@ def platform_poses(world: World, own: Callable[[World], Any] | None = None) -> F
     return TRAJECTORIES[world.camera.trajectory.kind](world)
 
 
-def mounted(platform: F64, sensor: Sensor) -> F64:
-    """Poses (2, 7) of a sensor on the platform."""
-    place = sensor.transformation
+def mounted(platform: F64, place: Transformation) -> F64:
+    """Poses (2, 7) of a sensor on the platform, by its key `transformation`."""
     if isinstance(place, Mounting):
         offset, q = np.array(place.position_m), rotations.from_rpy_deg(place.rotation_deg)
     else:
@@ -86,7 +85,7 @@ def camera_poses(world: World, own: Callable[[World], Any] | None = None) -> F64
     the platform avoids."""
     poses = platform_poses(world, own)
     if world.sensor is not None:
-        poses = mounted(poses, world.config.sensors[world.sensor])
+        poses = mounted(poses, world.config.sensors[world.sensor].transformation)
     kept = getattr(world.camera.trajectory, "clearance_m", None) is not None
     clearance_m = 0.0 if kept and own is None and world.sensor is not None else None
     still = world.window_s == 0.0 and bool((poses[0] == poses[1]).all())

@@ -1,0 +1,12 @@
+"""Number of threads that work is spread over by default."""
+
+from __future__ import annotations
+
+import os
+
+
+def default_threads() -> int:
+    """Number of processors that this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
