@@ -68,8 +68,8 @@ pl_status pl_renderer_trace(pl_renderer *renderer, const pl_frame_request *reque
   if (scan->source.sub_rays != 1)
     return pl_fail(PL_E_ARGUMENT, "labels are of single rays: sub_rays must be 1, not %d",
                    scan->source.sub_rays);
-  if (pl_channels_need_shadows(out->channels))
-    return pl_fail(PL_E_ARGUMENT, "the channel `shadow` is of pictures, not of rays");
+  if (pl_channels_need(out->channels) != 0)
+    return pl_fail(PL_E_ARGUMENT, "channels of shadows and of albedo are of pictures, not of rays");
   return pl_scan_run(renderer, request, scan, out->reflectance != NULL, take_labels, out);
 }
 

@@ -451,7 +451,6 @@ def test_every_physical_key_has_its_unit():
         "_km",
         "_s",
         "_hz",
-        "_e",
         "_deg",
         "_deg_s",
         "_px",
