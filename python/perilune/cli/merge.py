@@ -5,7 +5,7 @@ from __future__ import annotations
 from argparse import ArgumentParser, Namespace
 
 from perilune.cli.command import OK, Command
-from perilune.export.writers.merge import merge_bop
+from perilune.export.writers import merge
 
 
 def _configure(parser: ArgumentParser) -> None:
@@ -21,8 +21,8 @@ def _configure(parser: ArgumentParser) -> None:
 
 
 def _run(args: Namespace) -> int:
-    report = merge_bop(args.folders, args.out)
-    print(f"{report.folder}: {report.scenes} scenes, {report.images} images, complete")
+    for report in merge(args.folders, args.out):
+        print(f"{report.folder}: {report.scenes} scenes, {report.images} images, complete")
     return OK
 
 

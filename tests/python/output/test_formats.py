@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 import perilune
-from perilune.export.writers import WRITERS, FolderInUseError, write
+from perilune.export.writers import WRITERS, FolderInUseError, merge, write
 from perilune.export.writers.formats.tables import FORMATS
 
 from .stops import Canned, run_until, tree_bytes
@@ -188,6 +188,37 @@ def test_a_full_disk_is_one_error_and_the_run_goes_on(canned, truths, tmp_path, 
     assert str(out) in told
     put(sim, name, out)
     assert tree_bytes(out) == truths(name)
+
+
+@every_format
+@pytest.mark.parametrize("place", ["one folder", "two folders"])
+def test_shards_merge_to_the_bytes_of_one_run(canned, truths, tmp_path, name, place):
+    folders = [tmp_path / "0", tmp_path / ("0" if place == "one folder" else "1")]
+    for k, folder in enumerate(folders):
+        put(canned(name), name, folder, shard=(k, 2))
+    out = None if place == "one folder" else tmp_path / "out"
+    merge(list(dict.fromkeys(folders)), out)
+    assert tree_bytes(out or folders[0]) == truths(name)
+
+
+@every_format
+def test_a_killed_merge_goes_on(canned, truths, tmp_path, name):
+    folders, out = [tmp_path / "0", tmp_path / "1"], tmp_path / "out"
+    for k, folder in enumerate(folders):
+        put(canned(name), name, folder, shard=(k, 2))
+    count = run_until(out, 1 << 40, True, lambda: merge(folders, out))
+    for at in range(1, count, max(count // STOPS, 1)):
+        shutil.rmtree(out, ignore_errors=True)
+        assert run_until(out, at, True, lambda: merge(folders, out)) is None
+        merge(folders, out)
+        assert tree_bytes(out) == truths(name), f"killed at operation {at} of {count}"
+
+
+@every_format
+def test_a_missing_shard_is_named(canned, tmp_path, name):
+    put(canned(name), name, tmp_path / "0", shard=(0, 2))
+    with pytest.raises(ValueError, match=r"shards of frames 0:3, 1/2 is missing"):
+        merge([tmp_path / "0"])
 
 
 @every_format

@@ -10,9 +10,11 @@ from typing import Any
 from perilune.export.writers import plugins
 from perilune.export.writers.begin import as_range
 from perilune.export.writers.bop import open_bop, write_bop
+from perilune.export.writers.formats.merge import merge_folders
+from perilune.export.writers.formats.opened import FORMAT_KEY, format_folders, known_format
 from perilune.export.writers.formats.tables import FORMATS
 from perilune.export.writers.lock import FolderInUseError
-from perilune.export.writers.merge import merge_bop
+from perilune.export.writers.merge import MergeReport, check_one_source, merge_bop
 from perilune.export.writers.several import write_formats, writer_of
 from perilune.export.writers.table import Progress, WriteFunction, Writer, WriteReport
 from perilune.simulation import Simulation
@@ -25,6 +27,7 @@ __all__ = [
     "WriteReport",
     "Writer",
     "find",
+    "merge",
     "merge_bop",
     "register",
     "write",
@@ -70,6 +73,28 @@ def write(
     if foreign:
         return plugins.write(rows[0], sim, as_range(frames), out, **options)
     return write_formats(rows, WRITERS, sim, frames, out, **options)
+
+
+def merge(folders: Sequence[str | Path], out: str | Path | None = None) -> list[MergeReport]:
+    """Joins shards of any format to a dataset that is identical to that of a single run.
+
+    folders: those that `write(..., shard=...)` has written to; of several formats, those above
+    their folders. out: folder of the dataset; None completes the only folder in place. One report
+    a format. Errors are those of merge_bop."""
+    roots = [Path(folder) for folder in dict.fromkeys(map(str, folders))]
+    if out is None and len(roots) != 1:
+        raise ValueError(f"{len(roots)} folders to merge: --out must say where to")
+    reports = []
+    for name in format_folders(roots[0]):
+        own = [root / name for root in roots]
+        target = None if out is None else Path(out) / name
+        source = check_one_source(own)
+        if FORMAT_KEY in source:
+            fmt = FORMATS[known_format(own[0], source)]
+            reports.append(merge_folders(fmt, own, target, source))
+        else:
+            reports.append(merge_bop(own, target))
+    return reports
 
 
 def register(name: str, write: Any, doc: str = "") -> None:

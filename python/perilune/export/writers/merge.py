@@ -52,7 +52,7 @@ def _source(folder: Path) -> dict[str, Any]:
     return value
 
 
-def _check_one_source(folders: Sequence[Path]) -> dict[str, Any]:
+def check_one_source(folders: Sequence[Path]) -> dict[str, Any]:
     """Checks that all folders hold parts of one dataset; returns the first one's description of
     it."""
     first = _source(folders[0])
@@ -99,7 +99,7 @@ def _labels(scene: Path) -> list[bytes]:
     return [file.read_bytes() for file in sorted(scene.glob("*.json"))]
 
 
-def _check_shards(folders: Sequence[Path], notes: Sequence[Note]) -> None:
+def check_shards(folders: Sequence[Path], notes: Sequence[Note]) -> None:
     """Checks that every shard of every frame range has left its note."""
     parts: dict[tuple[range, int], set[int]] = {}
     for note in notes:
@@ -115,7 +115,7 @@ def _check_shards(folders: Sequence[Path], notes: Sequence[Note]) -> None:
             )
 
 
-def _whose(note: Note, chunk_size: int, scene_id: int) -> str:
+def whose(note: Note, chunk_size: int, scene_id: int) -> str:
     count = note.shard[1]
     for part in range(count):
         if scene_id in shard_chunks(note.frames, chunk_size, (part, count)):
@@ -129,7 +129,7 @@ def _check_complete(
     """Checks that every frame of the shards exists, in a finished scene."""
     for scene_id, path in found.items():
         if not SceneFolder(path).is_complete():
-            who = _whose(notes[0], chunk_size, scene_id) if notes else "the same command"
+            who = whose(notes[0], chunk_size, scene_id) if notes else "the same command"
             raise ValueError(f"{path}: is not finished; run {who} again")
     for note in notes:
         for scene_id, images in chunks(note.frames, chunk_size).items():
@@ -141,7 +141,7 @@ def _check_complete(
                 raise ValueError(
                     f"{where}: image {missing[0]} of scene {scene_id} (frame "
                     f"{images[missing[0]]}) is missing; run "
-                    f"{_whose(note, chunk_size, scene_id)} again"
+                    f"{whose(note, chunk_size, scene_id)} again"
                 )
 
 
@@ -169,7 +169,7 @@ def _copy_folder(source: Path, target: Path, stage: Path) -> None:
 def _gather(first: Path, scenes: Iterable[tuple[int, Path]], root: Path, split: str) -> None:
     """Collects the scenes and the shards' common files in one folder."""
     if (root / SOURCE_FILE).is_file():
-        _check_one_source([first, root])  # an earlier merge, interrupted or of fewer frames
+        check_one_source([first, root])  # an earlier merge, interrupted or of fewer frames
     reopen(root)
     shutil.rmtree(root / _STAGE, ignore_errors=True)
     for name in (SOURCE_FILE, CONFIG_FILE, "camera.json"):
@@ -194,7 +194,7 @@ def merge_bop(folders: Sequence[str | Path], out: str | Path | None = None) -> M
     roots = [Path(folder) for folder in dict.fromkeys(map(str, folders))]
     if out is None and len(roots) != 1:
         raise ValueError(f"{len(roots)} folders to merge: --out must say where to")
-    source = _check_one_source(roots)
+    source = check_one_source(roots)
     for root in roots:
         if (pid := writing_process(root)) is not None:
             raise in_use(root, pid)
@@ -204,7 +204,7 @@ def merge_bop(folders: Sequence[str | Path], out: str | Path | None = None) -> M
     for root in roots:
         if not read_notes(root) and not (root / CARD_FILE).is_file():
             raise ValueError(f"{root}: is not finished; run its `perilune render` command again")
-    _check_shards(roots, notes)
+    check_shards(roots, notes)
     found = _found_scenes(roots, split)
     _check_complete(roots, notes, found, chunk_size)
     target = roots[0] if out is None else Path(out)
