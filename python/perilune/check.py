@@ -1,5 +1,5 @@
 """Checks of written datasets."""
 
-from perilune.export.check import RERENDERED, Finding, Report, check_bop
+from perilune.export.check import RERENDERED, Finding, Report, check, check_bop
 
-__all__ = ["RERENDERED", "Finding", "Report", "check_bop"]
+__all__ = ["RERENDERED", "Finding", "Report", "check", "check_bop"]

@@ -9,7 +9,7 @@ from typing import Any
 
 from perilune.cli.command import FAILED, OK, Command
 from perilune.cli.progress import Bar
-from perilune.export.check import RERENDERED, Report, check_bop
+from perilune.export.check import RERENDERED, Report, check
 
 _ALL = "all"
 
@@ -25,7 +25,7 @@ def _rerender(text: str) -> int | None:
 
 def _configure(parser: ArgumentParser) -> None:
     parser.add_argument("folder", metavar="DIR", help="folder of the dataset")
-    parser.add_argument("--json", action="store_true", help="print one JSON object")
+    parser.add_argument("--json", action="store_true", help="print JSON")
     parser.add_argument(
         "--rerender",
         metavar=f"N|{_ALL}",
@@ -89,11 +89,13 @@ def _told(report: Report) -> str:
 
 def _run(args: Namespace) -> int:
     with Bar() as bar:
-        report = check_bop(
-            args.folder, bar, rerender=args.rerender, base=args.base, alone=args.alone
-        )
-    print(json.dumps(_as_json(report), indent=2) if args.json else _told(report))
-    return FAILED if report.findings else OK
+        reports = check(args.folder, bar, rerender=args.rerender, base=args.base, alone=args.alone)
+    if args.json:
+        told = [_as_json(report) for report in reports]
+        print(json.dumps(told[0] if len(told) == 1 else told, indent=2))
+    else:
+        print("\n".join(_told(report) for report in reports))
+    return FAILED if any(report.findings for report in reports) else OK
 
 
 CHECK = Command(

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import json
 from argparse import ArgumentParser, Namespace
+from pathlib import Path
 from typing import Any
 
 from perilune.cli.command import OK, Command
 from perilune.cli.text_table import text_table
-from perilune.export.stats import QUANTILES, bop_statistics
+from perilune.export.stats import QUANTILES, statistics
+from perilune.export.writers.formats.opened import format_folders
 
 
 def _configure(parser: ArgumentParser) -> None:
@@ -33,8 +35,13 @@ def _table(found: dict[str, Any]) -> str:
 
 
 def _run(args: Namespace) -> int:
-    found = bop_statistics(args.folder)
-    print(json.dumps(found, indent=2) if args.json else _table(found))
+    root = Path(args.folder)
+    found = {name: statistics(root / name) for name in format_folders(root)}
+    if args.json:
+        print(json.dumps(found.get(".", found), indent=2))
+        return OK
+    for name, rows in found.items():
+        print(_table(rows) if name == "." else f"{name}: {_table(rows)}")
     return OK
 
 

@@ -1,4 +1,4 @@
-"""Distributions over the labels of a written BOP dataset, per object."""
+"""Distributions over the labels of a written dataset, per object."""
 
 from __future__ import annotations
 
@@ -11,6 +11,8 @@ import numpy as np
 from perilune.export.writers.bop_files import CAMERA_FILE, MM_PER_M
 from perilune.export.writers.bop_finish import Instances, images_of, scene_folders
 from perilune.export.writers.files import SOURCE_FILE, load_object
+from perilune.export.writers.formats.opened import FORMAT_KEY
+from perilune.export.writers.formats.record import records
 
 QUANTILES = (0.0, 0.25, 0.5, 0.75, 1.0)
 
@@ -42,6 +44,55 @@ def _distribution(values: list[float]) -> dict[str, float]:
     return {**named, "mean": float(np.mean(values))}
 
 
+def _measure_rows(rows: list[dict[str, Any]], objects: dict[int, _Columns]) -> None:
+    """The same of the objects in the record of a frame in a folder."""
+    instances = []
+    for row in rows:
+        gt = {"cam_t_m2c": [MM_PER_M * x for x in row["t_m2c"]], "obj_id": row["obj_id"]}
+        instances.append((gt, row))
+    _measure(instances, objects)
+
+
+def _rows(objects: dict[int, _Columns]) -> dict[str, Any]:
+    rows: dict[str, Any] = {}
+    for obj_id, columns in sorted(objects.items()):
+        count = len(columns["visible_px"])
+        distributions = {name: _distribution(values) for name, values in columns.items()}
+        rows[str(obj_id)] = {"instances": count, **distributions}
+    return rows
+
+
+def folder_statistics(root: Path) -> dict[str, Any]:
+    """Those of bop_statistics for a dataset in a folder; `scenes` counts the scenes of the
+    timeline. Of formats without labels of objects there are no instances."""
+    images, scenes = 0, set()
+    objects: dict[int, _Columns] = {}
+    sensors: dict[str, int] = {}
+    for record in records(root):
+        images += 1
+        scenes.add(record["meta"]["scene"])
+        sensor = record["camera"]["sensor"]
+        if sensor is not None:
+            sensors[sensor] = sensors.get(sensor, 0) + 1
+        _measure_rows(record.get("objects", []), objects)
+    rows = _rows(objects)
+    return {
+        "scenes": len(scenes),
+        "images": images,
+        "instances": sum(row["instances"] for row in rows.values()),
+        "objects": rows,
+        **({"sensors": sensors} if sensors else {}),
+    }
+
+
+def statistics(folder: str | Path) -> dict[str, Any]:
+    """Statistics of a dataset of any format."""
+    root = Path(folder)
+    if FORMAT_KEY in load_object(root / SOURCE_FILE):
+        return folder_statistics(root)
+    return bop_statistics(root)
+
+
 def bop_statistics(folder: str | Path) -> dict[str, Any]:
     """Counts, and quantiles of each quantity by object id; scenes must be complete.
 
@@ -61,11 +112,7 @@ def bop_statistics(folder: str | Path) -> dict[str, Any]:
         for _, instances in images_of(scene):
             images += 1
             _measure(instances, objects)
-    rows: dict[str, Any] = {}
-    for obj_id, columns in sorted(objects.items()):
-        count = len(columns["visible_px"])
-        distributions = {name: _distribution(values) for name, values in columns.items()}
-        rows[str(obj_id)] = {"instances": count, **distributions}
+    rows = _rows(objects)
     instances = sum(row["instances"] for row in rows.values())
     return {
         "scenes": len(scenes),

@@ -3,12 +3,15 @@ targets."""
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 from pydantic import TypeAdapter
 
 from perilune.export.check.findings import Finding, Report
+from perilune.export.check.folder import check_folder
 from perilune.export.check.looks import LooksCheck
 from perilune.export.check.models import check_shapes
 from perilune.export.check.records import Camera, Source, read_json
@@ -20,10 +23,12 @@ from perilune.export.writers.bop_finish import DETECTION, LOCALISATION, closing_
 from perilune.export.writers.bop_models import FOLDERS
 from perilune.export.writers.config_file import CONFIG_FILE
 from perilune.export.writers.files import CARD_FILE, SOURCE_FILE
+from perilune.export.writers.formats.opened import FORMAT_KEY, format_folders, known_format
+from perilune.export.writers.formats.tables import FORMATS
 from perilune.export.writers.lock import LOCK_FILE, writing_process
 from perilune.export.writers.shards import NOTES
 
-__all__ = ["RERENDERED", "Finding", "Report", "check_bop"]
+__all__ = ["RERENDERED", "Finding", "Report", "check", "check_bop"]
 
 RERENDERED = 8
 """Default number of images that are rendered in full for a comparison of colour."""
@@ -123,3 +128,34 @@ def check_bop(
         for path in folders:
             looks.scene(path)
     return report
+
+
+def check(
+    folder: str | Path,
+    progress: Callable[[int, int], None] | None = None,
+    *,
+    rerender: int | None = RERENDERED,
+    base: str | Path | None = None,
+    alone: bool = False,
+) -> list[Report]:
+    """Checks a dataset of any format, or each of several in one folder: a Report each.
+
+    Arguments are those of check_bop; rerender counts frames that are compared to the byte."""
+    root = Path(folder)
+    if not root.is_dir():
+        raise FileNotFoundError(f"{folder}: no such folder")
+    reports = []
+    for name in format_folders(root):
+        own = root / name
+        try:
+            info = json.loads((own / SOURCE_FILE).read_text(encoding="utf-8"))
+        except (OSError, ValueError):
+            info = {}  # reported by the check
+        if not isinstance(info, dict) or FORMAT_KEY not in info:
+            options: dict[str, Any] = {"rerender": rerender, "base": base, "alone": alone}
+            reports.append(check_bop(own, progress, **options))
+            continue
+        fmt = FORMATS[known_format(own, info)]
+        where = None if base is None else Path(base)
+        reports.append(check_folder(fmt, own, info, progress, rerender, where, alone))
+    return reports

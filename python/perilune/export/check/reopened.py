@@ -39,6 +39,9 @@ class StoredConfig(BaseModel):
     tree: dict[str, JsonValue]
 
 
+_WITHOUT = "frames, models and colour were not made again for comparison:"
+
+
 @dataclass(frozen=True)
 class Remake:
     """A source of a dataset's frames, made again."""
@@ -61,38 +64,49 @@ def _opened(stored: StoredConfig, source: str, base: Path | None) -> Simulation:
     return sim
 
 
-def _check_hash(report: Report, source: Source, stored: StoredConfig) -> None:
+def _check_hash(report: Report, stored: StoredConfig) -> None:
     tree = {key: value for key, value in stored.tree.items() if key != "seed"}
     text = json.dumps(tree, sort_keys=True, separators=(",", ":"))
     found = hashlib.sha256(text.encode("utf-8")).hexdigest()
-    reason = f"config_sha256 is {source.config_sha256}, {CONFIG_FILE} has {found}"
-    report.need(found == source.config_sha256, report.folder / SOURCE_FILE, reason)
+    stated = json.loads((report.folder / SOURCE_FILE).read_text())["config_sha256"]
+    reason = f"config_sha256 is {stated}, {CONFIG_FILE} has {found}"
+    report.need(found == stated, report.folder / SOURCE_FILE, reason)
+
+
+def reopened(report: Report, base: Path | None = None) -> Simulation | None:
+    """Opens the configuration of a dataset; None, after a note with the reason, if that is
+    impossible. base: folder that relative paths refer to, if it is no longer the recorded one."""
+    path = report.folder / CONFIG_FILE
+    stored = read_json(report, path, TypeAdapter(StoredConfig))
+    if stored is None:
+        report.note(f"{_WITHOUT} {CONFIG_FILE} is of no use")
+        return None
+    _check_hash(report, stored)
+    if stored.functions:
+        told = ", ".join(stored.functions)
+        report.note(f"{_WITHOUT} {told} were functions given in code, which no file holds")
+        return None
+    try:
+        return _opened(stored, str(path), base)
+    except Exception as error:  # of hooks, anything
+        report.note(f"{_WITHOUT} the configuration cannot be opened: {error}")
+        return None
 
 
 def open_remake(
     report: Report, source: Source, folder: Path, base: Path | None = None
 ) -> Remake | None:
-    """Opens the configuration of a dataset; None, after a note with the reason, if that is
+    """Opens the configuration of a BOP dataset; None, after a note with the reason, if that is
     impossible.
 
-    folder: that of the dataset made for comparison. base: folder that relative paths refer to, if
-    it is no longer the recorded one."""
-    path = report.folder / CONFIG_FILE
-    stored = read_json(report, path, TypeAdapter(StoredConfig))
-    without = "frames, models and colour were not made again for comparison:"
-    if stored is None:
-        report.note(f"{without} {CONFIG_FILE} is of no use")
-        return None
-    _check_hash(report, source, stored)
-    if stored.functions:
-        told = ", ".join(stored.functions)
-        report.note(f"{without} {told} were functions given in code, which no file holds")
+    folder: that of the dataset made for comparison. base: as for `reopened`."""
+    sim = reopened(report, base)
+    if sim is None:
         return None
     try:
-        sim = _opened(stored, str(path), base)
         job = open_job(sim, folder, source.chunk_size, source.split)
     except Exception as error:  # of hooks, anything
-        report.note(f"{without} the configuration cannot be opened: {error}")
+        report.note(f"{_WITHOUT} the configuration cannot be opened: {error}")
         return None
     tolerance, changed = _compared(report, folder)
     return Remake(sim, job, tolerance, source.chunk_size, changed)

@@ -109,6 +109,12 @@ class Format:
         fields, an image's values. read: content of one of the frame's files."""
         raise NotImplementedError
 
+    def faults(
+        self, info: Info, record: Record, arrays: Mapping[str, Array], read: Callable[[str], bytes]
+    ) -> Iterable[str]:
+        """What is wrong with a frame's files beyond its arrays, as those of `decode`."""
+        return ()
+
     # --- formats that put the frames of a chunk into one file ---
 
     pack_name: ClassVar[str | None] = None

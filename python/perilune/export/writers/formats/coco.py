@@ -187,6 +187,24 @@ class Coco(Format):
             "instance": ids[:, :, 0] | ids[:, :, 1] << 8 | ids[:, :, 2] << 16,
         }
 
+    def faults(
+        self, info: Info, record: Record, arrays: Mapping[str, Array], read: Callable[[str], bytes]
+    ) -> Iterator[str]:
+        """Annotations that do not agree with the pixels of the panoptic picture."""
+        found = segments(arrays["instance"])
+        labels = record["labels"]
+        if labels["panoptic"] != self._panoptic(info, found):
+            yield "its panoptic segments are not those of its picture"
+        for row in labels["instances"]:
+            segment = found.get(row["instance_id"])
+            same = segment is not None and (
+                row["bbox"] == list(segment.box)
+                and row["area"] == segment.area
+                and row["segmentation"] == segment.rle()
+            )
+            if not same:
+                yield f"object '{row['object']}': its annotation is not about its pixels"
+
 
 def _flat(record: Record, name: str) -> list[Any]:
     rows: list[Any] = record["labels"][name]

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import json
 from typing import Any
 
 from perilune.export.writers.bop_channels import label_names
 from perilune.export.writers.bop_source import provenance
+from perilune.export.writers.files import json_text
 from perilune.export.writers.formats.base import Format, Info
 from perilune.export.writers.formats.channels import Channel, asked_channels, described
 from perilune.export.writers.shown import main_picture
@@ -53,10 +55,11 @@ def _taxonomy(sim: Simulation) -> dict[str, Any]:
 
 
 def folder_info(fmt: Format, sim: Simulation, chunk_size: int, split: str) -> dict[str, Any]:
-    """dataset_info.json, without the sums of files beside the frames."""
+    """dataset_info.json, without the sums of files beside the frames: as it is read again, in the
+    order of its file, so that nothing depends on who asks."""
     channels = described(sim, rendered(fmt, sim))
     names = label_names(sim, channels)
-    return {
+    info = {
         **provenance(sim, chunk_size, split),
         "format": fmt.name,
         "picture": main_picture(sim),
@@ -65,6 +68,8 @@ def folder_info(fmt: Format, sim: Simulation, chunk_size: int, split: str) -> di
         "taxonomy": _taxonomy(sim),
         **fmt.describe(sim),
     }
+    found: dict[str, Any] = json.loads(json_text(info))
+    return found
 
 
 def channels_of(info: Info) -> dict[str, Channel]:

@@ -93,14 +93,36 @@ class Yolo(Format):
         )
 
     def decode(self, info: Info, record: Record, read: Callable[[str], bytes]) -> dict[str, Array]:
-        """The picture; ValueError for a line that is none."""
+        """The picture."""
         split, key = info["split"], f"{record['index']:06d}"
-        for k, row in enumerate(self.rows(read(f"labels/{split}/{key}.txt"))):
-            if not (
-                0 <= row[0] < len(class_numbers(info)) and ((row[1:] >= 0) & (row[1:] <= 1)).all()
-            ):
-                raise ValueError(f"line {k + 1} of the labels is out of range")
         return {info["picture"]: from_png(read(f"images/{split}/{key}.png"))}
+
+    def faults(
+        self, info: Info, record: Record, arrays: Mapping[str, Array], read: Callable[[str], bytes]
+    ) -> Iterator[str]:
+        """Lines that are none, and boxes that are not those of the objects that are seen."""
+        name = f"labels/{info['split']}/{record['index']:06d}.txt"
+        seen = [row for row in record["objects"] if row["px_count_visib"] > 0]
+        lines = list(self.rows(read(name)))
+        if len(lines) != len(seen):
+            yield f"{name} has {len(lines)} lines, {len(seen)} objects are seen"
+            return
+        size = np.array([record["camera"]["width"], record["camera"]["height"]])
+        for row, line in zip(seen, lines, strict=True):
+            shares = line[1:]
+            if line[0] not in range(len(class_numbers(info))):
+                yield f"object '{row['name']}': {name} has the unknown class {line[0]:g}"
+            if not ((shares >= 0) & (shares <= 1)).all():
+                yield f"object '{row['name']}': {name} has numbers outside of [0, 1]"
+            x, y, w, h = row["bbox_visib"]
+            stated = np.array([x, y, x + w + 1, y + h + 1])
+            if np.abs(self.bounds(shares, size) - stated).max() > 0.01:
+                yield f"object '{row['name']}': {name} is not about its pixels"
+
+    def bounds(self, shares: Array, size: Array) -> Array:
+        """Left, top, right, bottom, pixels, that a line tells of."""
+        centre, extent = shares[:2] * size, shares[2:4] * size
+        return np.concatenate([centre - 0.5 * extent, centre + 0.5 * extent])
 
     @staticmethod
     def rows(data: bytes) -> Iterator[Array]:
@@ -133,6 +155,11 @@ class YoloSegment(Yolo):
         corners = np.concatenate(outlines(segment))
         shares = (corners + 0.5) / (width, height)
         return " ".join(map(_number, shares.ravel().tolist()))
+
+    def bounds(self, shares: Array, size: Array) -> Array:
+        """Those of the outline's pixels."""
+        corners = shares.reshape(-1, 2) * size
+        return np.concatenate([corners.min(axis=0) - 0.5, corners.max(axis=0) + 0.5])
 
 
 def outlines(segment: Segment) -> list[Array]:
