@@ -167,7 +167,7 @@ def test_debug_shows_the_traceback():
         (["rendr"], "rendr"),
         (["render", "x.yaml", "--out", "o"], "--frames"),
         (["render", "x.yaml", "--out", "o", "--frames", "5:5"], "no frame"),
-        (["render", "x.yaml", "--out", "o", "--frames", "0:1", "--format", "coco"], "coco"),
+        (["render", "x.yaml", "--out", "o", "--frames", "0:1", "--format", "cocoa"], "cocoa"),
         (["render", "x.yaml", "--out", "o", "--frames", "0", "--format", "bpo"], "mean 'bop'?"),
         (["render", "x.yaml", "--out", "o", "--frames", "0", "--shard", "1"], "K/N"),
         (["render", "x.yaml", "--out", "o", "--frames", "0:5000000000"], "2147483647"),
