@@ -149,17 +149,18 @@ def table(paths: int) -> None:
                       off.round(1), "%, noise", noise.round(1))  # fmt: skip
     for name, air in (("before", before()), ("now", settings_of("earth"))):
         made = _core.Air(air, RADIUS_M["earth"])
-        ground = ground_near(made, air)
+        ground = ground_near(made, air)[1]
         for low_m in (5e3, 8e3, 10e3, 17e3, 25e3, 30e3, 35e3, 37.6e3, 40e3, 43.1e3, 45e3):
             at = view(RADIUS_M["earth"], low_m, 50.0, 100.0)
             light, once = (ours(made, at, multiple)[0] for multiple in (True, False))
             print(f"{name}: {low_m / 1e3:.1f} km, green {100 * light[1] / ground:.1f} % of the "
                   f"ground, blue over red {light[2] / light[0]:.2f}, "
                   f"scattered once {once[2] / once[0]:.2f}")  # fmt: skip
+    glare()
 
 
-def ground_near(made: _core.Air, air: _core.AirSettings) -> float:
-    """Green of a ground of albedo 0.3 close to the limb."""
+def ground_near(made: _core.Air, air: _core.AirSettings) -> F64:
+    """A ground of albedo 0.3 close to the limb."""
     radius_m = RADIUS_M["earth"]
     point, along, sun = at = view(radius_m, -25e3, 50.0, 100.0)
     light, passed = ours(made, at, True)
@@ -168,7 +169,27 @@ def ground_near(made: _core.Air, air: _core.AirSettings) -> float:
     height = float(spot @ sun) / radius_m
     direct = made.transmittance((spot * (1.0 + 1e-9))[None], sun[None])[0]
     sky = np.array(made.skylight(height, True))
-    return float((light + passed * 0.3 / math.pi * (height * direct + sky))[1])
+    return np.asarray(light + passed * 0.3 / math.pi * (height * direct + sky))
+
+
+def glare() -> None:
+    """What a camera's stray light, given as a part of that of the ground near the limb, does to
+    the limb, over a darker and a brighter Earth."""
+    air = settings_of("earth")
+    ground = ground_near(_core.Air(air, RADIUS_M["earth"]), air)
+    lows_m = np.arange(36e3, 50e3, 100.0)
+    for albedo in (0.1, 0.3):
+        over = cast("_core.AirSettings", {**air, "ground_albedo": (albedo,) * 3})
+        made = _core.Air(over, RADIUS_M["earth"])
+        limb = np.array(
+            [ours(made, view(RADIUS_M["earth"], low, 50.0, 100.0), True)[0] for low in lows_m]
+        )
+        for stray in (0.0, 0.001, 0.002, 0.003, 0.005, 0.01):
+            seen = limb + stray * ground
+            k = int(np.argmin(np.abs(seen[:, 1] / ground[1] - 0.02)))
+            height, ratio = lows_m[k] / 1e3, seen[k, 2] / seen[k, 0]
+            print(f"albedo {albedo}, {100 * stray:.1f} % of stray light: green is 2 % of the "
+                  f"ground at {height:.1f} km, blue over red {ratio:.2f}")  # fmt: skip
 
 
 def main() -> None:

@@ -112,6 +112,31 @@ def test_the_earths_limb_is_that_of_a_published_model(tangent_m: float) -> None:
     assert (np.abs(all_of_it / published - 1.0) < 0.025).all()
 
 
+# The same by SASKTRAN2 in 27 wavelengths from 385 to 775 nm, seen as red, green and blue of sRGB in
+# sunlight: the sun 50 degrees from the zenith and 100 aside, by the ground's albedo and the height.
+SASKTRAN_SPECTRUM = {
+    (0.1, 37.6e3): (0.00110962, 0.00225418, 0.00628032),
+    (0.1, 43.1e3): (0.00049340, 0.00099452, 0.00273259),
+    (0.1, 46.0e3): (0.00031599, 0.00063683, 0.00175166),
+    (0.3, 37.6e3): (0.00131111, 0.00263008, 0.00708703),
+    (0.3, 43.1e3): (0.00057731, 0.00115597, 0.00308229),
+    (0.3, 46.0e3): (0.00036956, 0.00073995, 0.00197538),
+}
+
+
+@pytest.mark.parametrize(("albedo", "tangent_m"), SASKTRAN_SPECTRUM)
+def test_the_colour_of_the_high_limb_is_that_of_a_whole_spectrum(
+    albedo: float, tangent_m: float
+) -> None:
+    """Blue over red is 5.3 to 5.7 there, with all orders; light scattered once has 4.6."""
+    air = settings_of("earth", ground_albedo=(albedo,) * 3)
+    point, direction = brute.limb_ray(RADIUS_M["earth"], EYE_M, tangent_m)
+    x, y, z = (float(value) for value in sun_over(point, direction, 50.0, 100.0))
+    made = _core.Air(air, RADIUS_M["earth"])
+    light, _ = made.scatter(point[None], direction[None], (x, y, z), SUN_RAD, math.inf, STEPS, True)
+    np.testing.assert_allclose(light[0], SASKTRAN_SPECTRUM[albedo, tangent_m], rtol=0.03)
+
+
 def test_several_orders_matter_at_the_limb() -> None:
     """Oikarinen et al. (1999), JGR 104, 31261: the part of light scattered several times rises to
     tens of per cent in the visible, and falls as the sun sinks and with the ground's albedo."""
