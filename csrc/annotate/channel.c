@@ -87,11 +87,16 @@ static void write_semantic(const pl_label_run *run, void *pixels) {
   for (size_t level = 0; level < levels; level++)
     for (size_t i = 0; i < run->count; i++)
       out[i * levels + level] = run->label.class_ids[run->parts[i] * levels + level];
-  if (run->label.crater_class_ids == NULL)
+  const pl_ground_labels *ground = &run->label.on_ground;
+  if (!ground->apart)
     return;
-  for (size_t i = 0; i < run->count; i++)
-    if (run->craters[i] != 0)
-      memcpy(out + i * levels, run->label.crater_class_ids, levels * sizeof *out);
+  for (size_t i = 0; i < run->count; i++) {
+    uint16_t *at = out + i * levels + (size_t)ground->level;
+    if (ground->rock != 0)
+      *at = ground->rock;
+    else if (run->craters[i] != 0 && ground->crater != 0)
+      *at = ground->crater;
+  }
 }
 
 static void write_part(const pl_label_run *run, void *pixels) {
@@ -266,11 +271,21 @@ void pl_channels_blank(const pl_snapshot *shot, size_t count, size_t first, void
   }
 }
 
+/* Number of the area of a body at a point of a run, from its direction in body axes. */
+static uint32_t area_at(const pl_label_run *run, size_t i) {
+  const pl_geometry_label *label = &run->label;
+  const pl_vec3 point = {run->position[0][i], run->position[1][i], run->position[2][i]};
+  const pl_vec3 from = pl_vec3_sub(point, label->origin);
+  return pl_area_map_at(label->areas, pl_mat3_mul_vec_t(label->rotation, from));
+}
+
 static void find_parts(const pl_vertex *points, pl_label_run *run) {
   const pl_object *parts = run->label.parts;
   run->points = points;
   for (size_t i = 0; i < run->count; i++)
-    run->parts[i] = parts != NULL ? pl_object_part(parts, points[i].triangle) : 0;
+    run->parts[i] = parts != NULL              ? pl_object_part(parts, points[i].triangle)
+                    : run->label.areas != NULL ? area_at(run, i)
+                                               : 0;
 }
 
 static void gather(const pl_vertex *points, pl_label_run *run) {
@@ -341,7 +356,7 @@ void pl_channels_write(const pl_snapshot *shot, const pl_vertex *points, size_t 
     run.surface_id = id;
     pl_geometry_of(id)->label(shot, id, &run.label);
     gather(points + x, &run);
-    if (asked || (classes && run.label.crater_class_ids != NULL))
+    if (asked || (classes && run.label.on_ground.crater != 0))
       pl_find_craters(&run);
     for (size_t i = 0; i < pl_channel_count; i++) {
       size_t bytes;

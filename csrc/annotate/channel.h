@@ -20,7 +20,7 @@ typedef struct pl_label_run {
   double normal[3][PL_LABEL_RUN];   /* unit shading normal, facing the viewer */
   double facet[3][PL_LABEL_RUN];    /* unit geometric normal, facing the viewer */
   double to_sun[3][PL_LABEL_RUN], to_viewer[3][PL_LABEL_RUN]; /* m */
-  uint32_t parts[PL_LABEL_RUN];                               /* part of an object; 0 on bodies */
+  uint32_t parts[PL_LABEL_RUN];  /* part of an object, or area of a body */
   int64_t craters[PL_LABEL_RUN]; /* ids of craters if a channel asks for them; 0: none */
 } pl_label_run;
 

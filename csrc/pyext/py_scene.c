@@ -139,71 +139,123 @@ static int copy_classes(PyObject *classes, int count, uint16_t *out) {
   return 0;
 }
 
-/* Classes of rocks and craters, one row each; None: those of the body. */
-static int copy_ground_classes(PyObject *classes, int count, pl_body *out) {
-  const npy_intp shape[2] = {2, count};
-  out->ground_classes = classes != Py_None;
-  if (!out->ground_classes)
+/* (level, class of rocks, class of craters); None: those of the body. */
+static int parse_ground_labels(PyObject *given, int levels, pl_body *out) {
+  pl_ground_labels *labels = &out->ground_labels;
+  labels->apart = given != Py_None;
+  if (!labels->apart)
     return 0;
-  PyArrayObject *ids = pl_py_array(classes, "ground_class_ids", NPY_UINT16, 2, shape);
-  if (ids == NULL)
+  if (!PyTuple_Check(given)) {
+    PyErr_SetString(PyExc_TypeError, "ground_labels: (level, rock, crater), or None");
     return -1;
-  const uint16_t *rows = PyArray_DATA(ids);
-  memcpy(out->rock_class_ids, rows, (size_t)count * sizeof *rows);
-  memcpy(out->crater_class_ids, rows + count, (size_t)count * sizeof *rows);
-  Py_DECREF((PyObject *)ids);
+  }
+  int level, rock, crater;
+  if (!PyArg_ParseTuple(given, "iii:ground_labels", &level, &rock, &crater))
+    return -1;
+  if (level < 0 || level >= levels || rock < 0 || rock > UINT16_MAX || crater < 0 ||
+      crater > UINT16_MAX) {
+    PyErr_Format(PyExc_ValueError, "ground_labels: level %d of %d, classes %d and %d", level,
+                 levels, rock, crater);
+    return -1;
+  }
+  labels->level = level;
+  labels->rock = (uint16_t)rock;
+  labels->crater = (uint16_t)crater;
   return 0;
 }
 
+/* Areas of a body's surface: (rasters, part_ids, class_ids), or None. `arrays` receives owned
+ * references to the arrays that out->areas borrows. */
+static int parse_areas(PyObject *given, int count, PyObject *kept, PyArrayObject *arrays[2],
+                       pl_body *out) {
+  PyObject *rasters, *part_ids, *class_ids;
+  if (given == Py_None)
+    return 0;
+  if (!PyTuple_Check(given) ||
+      !PyArg_ParseTuple(given, "O!OO:areas", &PyTuple_Type, &rasters, &part_ids, &class_ids)) {
+    PyErr_SetString(PyExc_TypeError, "areas: (tuple of rasters, part_ids, class_ids), or None");
+    return -1;
+  }
+  out->area_map.count = (size_t)PyTuple_Size(rasters);
+  if (out->area_map.count < 1 || out->area_map.count > PL_AREA_RASTERS) {
+    PyErr_Format(PyExc_ValueError, "areas: 1 to %d rasters", PL_AREA_RASTERS);
+    return -1;
+  }
+  for (size_t k = 0; k < out->area_map.count; k++) {
+    PyObject *raster = PyTuple_GetItem(rasters, (Py_ssize_t)k);
+    if ((out->area_map.rasters[k] = pl_py_raster_of(raster)) == NULL ||
+        PyList_Append(kept, raster) < 0)
+      return -1;
+  }
+  npy_intp shape[2] = {-1, count};
+  if ((arrays[0] = pl_py_array(part_ids, "part_ids", NPY_INT32, 1, shape)) == NULL)
+    return -1;
+  shape[0] = PyArray_DIM(arrays[0], 0);
+  if ((arrays[1] = pl_py_array(class_ids, "class_ids", NPY_UINT16, 2, shape)) == NULL)
+    return -1;
+  out->areas = (pl_part_table){.count = (size_t)shape[0],
+                               .part_ids = PyArray_DATA(arrays[0]),
+                               .class_ids = PyArray_DATA(arrays[1])};
+  return 0;
+}
+
+static char *body_names[] = {"name",
+                             "map",
+                             "map_center_lon_rad",
+                             "reflectance",
+                             "instance_id",
+                             "part_id",
+                             "class_ids",
+                             "regolith_map",
+                             "air",
+                             "shape",
+                             "rings",
+                             "cloud_map",
+                             "ground",
+                             "geodetic",
+                             "geodetic_clouds",
+                             "dressed",
+                             "terrain",
+                             "cells_per_pixel",
+                             "finest_cell_m",
+                             "ground_labels",
+                             "crater_criteria",
+                             "areas",
+                             NULL};
+
 static PyObject *add_body(scene_object *self, PyObject *args, PyObject *kwargs) {
-  static char *names[] = {"name",
-                          "map",
-                          "map_center_lon_rad",
-                          "reflectance",
-                          "instance_id",
-                          "part_id",
-                          "class_ids",
-                          "regolith_map",
-                          "air",
-                          "shape",
-                          "rings",
-                          "cloud_map",
-                          "ground",
-                          "geodetic",
-                          "geodetic_clouds",
-                          "dressed",
-                          "terrain",
-                          "cells_per_pixel",
-                          "finest_cell_m",
-                          "ground_class_ids",
-                          "crater_criteria",
-                          NULL};
-  PyObject *classes, *ground_classes = Py_None, *ground = Py_None;
+  PyObject *classes, *ground_labels = Py_None, *areas = Py_None, *ground = Py_None;
+  PyArrayObject *arrays[2] = {NULL, NULL};
   body_arguments in = {
       .shape = Py_None, .rings = Py_None, .cloud_map = Py_None, .terrain = Py_None};
   const char *name, *reflectance;
   int geodetic = 0, geodetic_clouds = 0, dressed = 0;
   pl_body body = {.cells_per_pixel = 1.0, .finest_cell_m = 0.01, .craters = PL_CRATER_CRITERIA};
-  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "sOdsiiOOO|$OOOOpppOddO(ddd):add_body", names,
-                                   &name, &in.map, &body.map_center_lon_rad, &reflectance,
-                                   &body.instance_id, &body.part_id, &classes, &in.regolith,
-                                   &in.air, &in.shape, &in.rings, &in.cloud_map, &ground, &geodetic,
-                                   &geodetic_clouds, &dressed, &in.terrain, &body.cells_per_pixel,
-                                   &body.finest_cell_m, &ground_classes, &body.craters.least_px,
-                                   &body.craters.least_depth, &body.craters.least_kept))
+  if (!PyArg_ParseTupleAndKeywords(
+          args, kwargs, "sOdsiiOOO|$OOOOpppOddO(ddd)O:add_body", body_names, &name, &in.map,
+          &body.map_center_lon_rad, &reflectance, &body.instance_id, &body.part_id, &classes,
+          &in.regolith, &in.air, &in.shape, &in.rings, &in.cloud_map, &ground, &geodetic,
+          &geodetic_clouds, &dressed, &in.terrain, &body.cells_per_pixel, &body.finest_cell_m,
+          &ground_labels, &body.craters.least_px, &body.craters.least_depth,
+          &body.craters.least_kept, &areas))
     return NULL;
   body.dressed = dressed != 0 && in.shape != Py_None;
   body.geodetic = geodetic != 0;
   body.geodetic_clouds = geodetic_clouds != 0;
   body.name = (char *)(uintptr_t)name; /* copied by the scene */
   body.reflectance = find_reflectance(reflectance);
-  if (body.reflectance == NULL || borrow(&in, self->kept, &body) < 0 ||
-      pl_py_ground_parse(ground, self->kept, &body.ground) < 0 ||
-      copy_classes(classes, self->scene.levels, body.class_ids) < 0 ||
-      copy_ground_classes(ground_classes, self->scene.levels, &body) < 0)
-    return NULL;
-  const pl_status status = pl_scene_add_body(&self->scene, &body);
-  return status == PL_OK ? PyLong_FromSize_t(self->scene.body_count - 1) : pl_py_raise(status);
+  PyObject *result = NULL;
+  if (body.reflectance != NULL && borrow(&in, self->kept, &body) == 0 &&
+      pl_py_ground_parse(ground, self->kept, &body.ground) == 0 &&
+      copy_classes(classes, self->scene.levels, body.class_ids) == 0 &&
+      parse_ground_labels(ground_labels, self->scene.levels, &body) == 0 &&
+      parse_areas(areas, self->scene.levels, self->kept, arrays, &body) == 0) {
+    const pl_status status = pl_scene_add_body(&self->scene, &body);
+    result = status == PL_OK ? PyLong_FromSize_t(self->scene.body_count - 1) : pl_py_raise(status);
+  }
+  Py_XDECREF((PyObject *)arrays[0]);
+  Py_XDECREF((PyObject *)arrays[1]);
+  return result;
 }
 
 /* Arguments of add_object, and the arrays made from them (owned references). */

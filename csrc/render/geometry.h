@@ -11,12 +11,13 @@
 
 /* What labels say of a surface; arrays are borrowed. */
 typedef struct pl_geometry_label {
-  pl_vec3 origin;                   /* of its own axes, camera-relative, m */
-  pl_mat3 rotation;                 /* own axes to root axes */
-  const pl_object *parts;           /* tells the part of a triangle; NULL: there is one part */
-  const uint16_t *class_ids;        /* the scene's number of levels per part */
-  const uint16_t *crater_class_ids; /* where the ground shows a crater; NULL: as elsewhere */
-  const int32_t *part_ids;          /* one per part */
+  pl_vec3 origin;             /* of its own axes, camera-relative, m */
+  pl_mat3 rotation;           /* own axes to root axes */
+  const pl_object *parts;     /* tells the part of a triangle; NULL: not by triangles */
+  const pl_area_map *areas;   /* tells the part of a direction in own axes; NULL: there is one */
+  const uint16_t *class_ids;  /* the scene's number of levels per part */
+  const int32_t *part_ids;    /* one per part */
+  pl_ground_labels on_ground; /* of rocks, or of craters; a class of 0 is that of the part */
   int32_t instance_id;
 } pl_geometry_label;
 
@@ -86,5 +87,7 @@ void pl_height_field_leave(const pl_snapshot *shot, const pl_vertex *vertex, flo
 /* What terrain and its rocks share with ellipsoids. */
 pl_geometry_bounds pl_body_bounds(const pl_snapshot *shot, pl_surface_id id);
 void pl_body_label(const pl_snapshot *shot, pl_surface_id id, pl_geometry_label *out);
+/* What labels say of the surface of a body, wherever it is. */
+void pl_body_surface_label(const pl_body *body, pl_geometry_label *out);
 
 #endif

@@ -81,13 +81,18 @@ pl_geometry_bounds pl_body_bounds(const pl_snapshot *shot, pl_surface_id id) {
   return (pl_geometry_bounds){body->center, body->outer_m, body->in_frame};
 }
 
+void pl_body_surface_label(const pl_body *body, pl_geometry_label *out) {
+  out->parts = NULL;
+  out->areas = body->area_map.count > 0 ? &body->area_map : NULL;
+  out->class_ids = body->parts.class_ids;
+  out->part_ids = body->parts.part_ids;
+  out->instance_id = body->instance_id;
+}
+
 void pl_body_label(const pl_snapshot *shot, pl_surface_id id, pl_geometry_label *out) {
   const pl_shot_body *body = pl_shot_body_of(shot, id);
-  *out = (pl_geometry_label){.origin = body->center,
-                             .rotation = body->rotation,
-                             .class_ids = body->body->class_ids,
-                             .part_ids = &body->body->part_id,
-                             .instance_id = body->body->instance_id};
+  *out = (pl_geometry_label){.origin = body->center, .rotation = body->rotation};
+  pl_body_surface_label(body->body, out);
 }
 
 const pl_geometry_kind pl_geometry_ellipsoid = {

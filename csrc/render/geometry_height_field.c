@@ -153,10 +153,9 @@ static void cover(const pl_coverage_job *job, pl_surface_id id, size_t slice) {
 }
 
 static void label(const pl_snapshot *shot, pl_surface_id id, pl_geometry_label *out) {
-  const pl_body *body = pl_shot_body_of(shot, id)->body;
   pl_body_label(shot, id, out);
-  if (body->ground_classes)
-    out->crater_class_ids = body->crater_class_ids;
+  out->on_ground = pl_shot_body_of(shot, id)->body->ground_labels;
+  out->on_ground.rock = 0;
 }
 
 const pl_geometry_kind pl_geometry_height_field = {

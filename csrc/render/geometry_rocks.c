@@ -74,10 +74,9 @@ static void set_spot(const pl_snapshot *shot, const pl_hit *hit, pl_vec3 point, 
 }
 
 static void label(const pl_snapshot *shot, pl_surface_id id, pl_geometry_label *out) {
-  const pl_body *body = pl_shot_body_of(shot, id)->body;
   pl_body_label(shot, id, out);
-  if (body->ground_classes)
-    out->class_ids = body->rock_class_ids;
+  out->on_ground = pl_shot_body_of(shot, id)->body->ground_labels;
+  out->on_ground.crater = 0;
 }
 
 const pl_geometry_kind pl_geometry_rocks = {

@@ -52,6 +52,12 @@ static void leave_shape(const pl_snapshot *shot, const pl_vertex *vertex, float 
   ray->leaves = facet_size(vertex);
 }
 
+static void label(const pl_snapshot *shot, pl_surface_id id, pl_geometry_label *out) {
+  const pl_object *object = pl_shot_object_of(shot, id)->object;
+  pl_mesh_label(shot, id, out);
+  pl_body_surface_label(shot->bodies[object->body].body, out);
+}
+
 const pl_geometry_kind pl_geometry_shape = {
     .name = "shape",
     .bounds = pl_mesh_bounds,
@@ -63,5 +69,5 @@ const pl_geometry_kind pl_geometry_shape = {
     .set_horizon = set_horizon,
     .leave = leave_shape,
     .set_spot = pl_mesh_set_spot,
-    .label = pl_mesh_label,
+    .label = label,
 };

@@ -22,11 +22,17 @@ static void object_clear(pl_object *object) {
   pl_object_materials_destroy(object->materials);
 }
 
+static void body_clear(pl_body *body) {
+  pl_free(body->name);
+  pl_free((void *)(uintptr_t)body->parts.part_ids);
+  pl_free((void *)(uintptr_t)body->parts.class_ids);
+}
+
 void pl_scene_clear(pl_scene *scene) {
   for (size_t i = 0; i < scene->object_count; i++)
     object_clear(&scene->objects[i]);
   for (size_t i = 0; i < scene->body_count; i++)
-    pl_free(scene->bodies[i].name);
+    body_clear(&scene->bodies[i]);
   for (size_t i = 0; i < scene->cut_count; i++)
     pl_cut_destroy(scene->cuts[i]);
   pl_free(scene->cuts);
@@ -270,6 +276,28 @@ static pl_status check_terrain(const pl_body *body) {
   return PL_OK;
 }
 
+/* Sets the body's own parts: its surface, then its areas. */
+static pl_status copy_parts(const pl_body *body, size_t levels, pl_body *out) {
+  const size_t areas = body->areas.count;
+  int32_t *part_ids = pl_alloc(1 + areas, sizeof *part_ids);
+  uint16_t *class_ids = pl_alloc((1 + areas) * levels, sizeof *class_ids);
+  out->parts = (pl_part_table){.count = 1 + areas, .part_ids = part_ids, .class_ids = class_ids};
+  out->areas = (pl_part_table){0};
+  if (part_ids == NULL || class_ids == NULL)
+    return pl_fail(PL_E_MEMORY, "out of memory for body '%s'", body->name);
+  part_ids[0] = body->part_id;
+  memcpy(class_ids, body->class_ids, levels * sizeof *class_ids);
+  if (areas == 0)
+    return PL_OK;
+  memcpy(part_ids + 1, body->areas.part_ids, areas * sizeof *part_ids);
+  memcpy(class_ids + levels, body->areas.class_ids, areas * levels * sizeof *class_ids);
+  return PL_OK;
+}
+
+static pl_status check_areas(const pl_body *body) {
+  return body->area_map.count > 0 ? pl_area_map_check(&body->area_map, body->areas.count) : PL_OK;
+}
+
 pl_status pl_scene_add_body(pl_scene *scene, const pl_body *body) {
   pl_body *grown = pl_realloc(scene->bodies, scene->body_count + 1, sizeof *grown);
   if (grown == NULL)
@@ -277,18 +305,21 @@ pl_status pl_scene_add_body(pl_scene *scene, const pl_body *body) {
   scene->bodies = grown;
   PL_TRY(check_regolith_map(body));
   PL_TRY(check_terrain(body));
+  PL_TRY(check_areas(body));
   pl_body added = *body;
   if (!(added.craters.least_px > 0.0))
     added.craters = PL_CRATER_CRITERIA;
   find_brightest(&added);
   added.name = pl_strdup(body->name);
-  if (added.name == NULL)
-    return pl_fail(PL_E_MEMORY, "out of memory for body '%s'", body->name);
   added.random = pl_material_random(body->name);
   pl_body_set_graph(&added, body->graph);
-  const pl_status status = body->shape != NULL ? add_shape(scene, body, scene->body_count) : PL_OK;
+  pl_status status = copy_parts(body, (size_t)scene->levels, &added);
+  if (status == PL_OK && added.name == NULL)
+    status = pl_fail(PL_E_MEMORY, "out of memory for body '%s'", body->name);
+  if (status == PL_OK && body->shape != NULL)
+    status = add_shape(scene, body, scene->body_count);
   if (status != PL_OK) {
-    pl_free(added.name);
+    body_clear(&added);
     return status;
   }
   scene->bodies[scene->body_count++] = added;

@@ -22,6 +22,7 @@
 #include "shade/ground.h"
 #include "shade/material_surface.h"
 #include "shade/reflectance.h"
+#include "terrain/area_map.h"
 #include "terrain/crater_marks.h"
 
 enum { PL_LEVELS_MAX = 8 };
@@ -57,6 +58,13 @@ typedef struct pl_object {
   double reach; /* for a shape: distance of its farthest vertex from the body's centre, m */
 } pl_object;
 
+/* Classes that rocks and craters of a terrain have at one level, in place of their body's. */
+typedef struct pl_ground_labels {
+  bool apart; /* whether they have */
+  int level;
+  uint16_t rock, crater;
+} pl_ground_labels;
+
 /* Ellipsoid with equirectangular maps. Body axes: x at longitude 0, z at the north pole. */
 typedef struct pl_body {
   char *name; /* owned */
@@ -78,12 +86,15 @@ typedef struct pl_body {
   pl_ground ground; /* for a body without a graph; open water only with Lambert reflectance */
   int32_t instance_id, part_id;
   uint16_t class_ids[PL_LEVELS_MAX];
-  /* With `ground_classes`, rocks and craters of the terrain have classes of their own. */
-  bool ground_classes;
-  uint16_t rock_class_ids[PL_LEVELS_MAX], crater_class_ids[PL_LEVELS_MAX];
+  /* Areas of the surface with parts of their own, as the map numbers them from 1 on; what is in
+   * none has part_id and class_ids. The arrays of `areas` are copied into `parts`. */
+  pl_area_map area_map;
+  pl_part_table areas;
+  pl_ground_labels ground_labels;
   pl_crater_criteria craters; /* that labels show; least_px of 0: PL_CRATER_CRITERIA */
   const pl_graph *graph; /* borrowed: in place of or on top of the surface above; NULL for none */
   /* Set by pl_scene_add_body: */
+  pl_part_table parts;            /* owned: the surface, then its areas */
   pl_regolith_texel brightest[3]; /* brightest cell of the map in each band at zero phase angle */
   pl_model_summary summary;       /* of the graph */
   float random;                   /* 0..1, derived from the name */

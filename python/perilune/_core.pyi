@@ -360,8 +360,9 @@ class Scene:
         None = None, ground: Ground | None = None, geodetic: bool = False,
         geodetic_clouds: bool = False, dressed: bool = False, terrain: Terrain | None = None,
         cells_per_pixel: float = 1.0, finest_cell_m: float = 0.01,
-        ground_class_ids: NDArray[np.uint16] | None = None,
-        crater_criteria: tuple[float, float, float] = ...
+        ground_labels: tuple[int, int, int] | None = None,
+        crater_criteria: tuple[float, float, float] = ...,
+        areas: tuple[tuple[Raster, ...], NDArray[np.int32], NDArray[np.uint16]] | None = None
     ) -> int:
         """An ellipsoid, or a shape in metres and body axes instead; returns its index. class_ids:
         (levels,). regolith_map: 27 channels, w, b, c, B_C0, h_C, B_S0, h_S, roughness in radians
@@ -371,10 +372,13 @@ class Scene:
         count by geodetic latitude, not planetocentric; geodetic_clouds: so does cloud_map.
         dressed: the shape's own materials instead of map, albedo and reflectance. terrain: replaces
         the ellipsoid, whose radii must be those of the body in every frame; its mesh has
-        cells_per_pixel cells along a pixel, but none smaller than finest_cell_m. ground_class_ids:
-        (2, levels) of its rocks and craters; None: those of the body. crater_criteria: pixels along
-        a diameter, depth over that of a fresh crater and share that younger ones left, from which on
-        craters are labelled."""
+        cells_per_pixel cells along a pixel, but none smaller than finest_cell_m. ground_labels:
+        level at which its rocks and craters have classes of their own, and these; None: those of
+        the body. crater_criteria: pixels along a diameter, depth over that of a fresh crater and
+        share that younger ones left, from which on craters are labelled. areas: of the surface,
+        with parts of their own: rasters of bytes, from the lowest to the uppermost, which number
+        them from 1 on (0: none, or what the raster below says); part ids (areas,); class ids
+        (areas, levels)."""
     def add_object(
         self, *, name: str, model: Model, offset: F64, obj_id: int, instance_id: int, part_ids:
         NDArray[np.int32], class_ids: NDArray[np.uint16], triangle_part: NDArray[np.uint32] | None =

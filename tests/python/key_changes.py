@@ -71,6 +71,7 @@ KEYS = {
     ("Terrain", "crater_catalogue"): rule("ids"),
     ("Terrain", "roughness_baseline_m"): LIGHT,
     ("Body", "class"): rule("names"),
+    ("Body", "areas"): rule("ids names"),
     ("Shape", "smooth"): LIGHT,
     ("Spacecraft", "centre"): PLACED,
     ("Spacecraft", "crease_angle_deg"): LIGHT,

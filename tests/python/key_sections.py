@@ -138,6 +138,11 @@ HEIGHTS = {
     "scale_m": 400.0,
     "projection": {"kind": "cylindrical", "west_deg": -180.0},
 }
+AREAS = {
+    "file": GREY_MAP,
+    "projection": {"kind": "cylindrical", "west_deg": -180.0},
+    "classes": {"dark": [0, 127]},
+}
 
 THINGS = [
     Section(
@@ -198,6 +203,7 @@ THINGS = [
         Body, AT_BODY, {**BODY, "color_map": MAP}, {"latitudes": "geodetic", "albedo_contrast": 2.0}
     ),
     Section(Body, AT_BODY, BODY, {"classes": {"origin": "found"}}, {"labels.levels": ["origin"]}),
+    Section(Body, AT_BODY, BODY, {"areas": [AREAS]}),
     Section(Clouds, (*AT_BODY, "clouds"), {"map": MAP}, {"latitudes": "geodetic"}),
     Section(
         Shape,

@@ -17,6 +17,7 @@ from perilune.bodies.destep import destepped
 from perilune.bodies.elevation_files import ElevationFile, read
 from perilune.bodies.gaps import filled, missing_in, share
 from perilune.bodies.places import Place
+from perilune.config.areas import AreaRaster
 from perilune.config.elevation import Elevation, SurfaceRaster
 from perilune.config.types import Latitudes
 
@@ -108,7 +109,7 @@ def first_of(*values: float | None) -> float:
 
 
 def place_of(
-    given: Elevation | SurfaceRaster,
+    given: Elevation | SurfaceRaster | AreaRaster,
     file: ElevationFile,
     path: Path,
     radius_m: float,

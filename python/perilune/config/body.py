@@ -6,12 +6,13 @@ from typing import Annotated, Literal
 
 from pydantic import BeforeValidator, Field, model_validator
 
+from perilune.config.areas import AREAS_MAX, AreaRaster
 from perilune.config.atmosphere import Atmosphere
 from perilune.config.attitude import BodyRotation
 from perilune.config.clouds import Clouds
 from perilune.config.errors import fail
 from perilune.config.ground import NightLights, Ocean, Relief
-from perilune.config.labels import Classes
+from perilune.config.labels import EntryClasses
 from perilune.config.materials import DriverSection
 from perilune.config.orbit import Orbit
 from perilune.config.photometry import Photometry
@@ -101,8 +102,11 @@ class Body(Strict):
     relative to ICRF axes."""
     class_: str | None = Field(default=None, alias="class")
     """Class at the label level `object`. Default: kind, or the entry's name for an ellipsoid."""
-    classes: Classes = Field(default_factory=dict)
-    """Classes at your own label levels: level of `labels.levels` -> class."""
+    classes: EntryClasses = Field(default_factory=dict)
+    """Classes at your own label levels: level of `labels.levels` -> class, or class -> shell
+    patterns on the names of `areas` (`surface`: where there is none)."""
+    areas: Annotated[tuple[AreaRaster, ...], Field(max_length=8)] = ()
+    """Rasters that name areas of the surface, for labels: sea, ice, a mare; from coarse to fine."""
 
     @property
     def is_geodetic(self) -> bool:
@@ -195,6 +199,13 @@ class Body(Strict):
         users = ("color_map", "relief", "ocean", "night_lights", "material")
         if all(getattr(self, key) is None for key in users):
             self._only_with(f"a map, or one of {', '.join(users)}", "map_center_lon_deg")
+        return self
+
+    @model_validator(mode="after")
+    def _few_areas(self) -> Body:
+        names = {name for raster in self.areas for name in raster.classes}
+        if len(names) > AREAS_MAX:
+            fail("areas", f"{len(names)} names of areas; at most {AREAS_MAX}")
         return self
 
     @model_validator(mode="after")

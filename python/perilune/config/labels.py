@@ -26,13 +26,11 @@ _SAID = {
 }
 Level = Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_-]*$")]
 ClassName = Annotated[str, Field(min_length=1)]
-Classes = dict[Level, ClassName]
-"""Level -> class of a body at that level."""
 ClassPatterns = dict[ClassName, tuple[str, ...]]
 """Class -> shell patterns on part names, material names or `part/material`; the first that
 matches counts."""
-CraftClasses = dict[Level, ClassName | ClassPatterns]
-"""Level -> class of a spacecraft at that level, or classes of its parts by patterns."""
+EntryClasses = dict[Level, ClassName | ClassPatterns]
+"""Level -> class of a spacecraft or body at that level, or classes of its parts by patterns."""
 
 
 def _several(value: Any) -> Any:
@@ -91,10 +89,10 @@ class Labels(Strict):
 
     levels: Annotated[tuple[Level, ...], Field(min_length=1)] = LEVELS
     """Levels of `semantic`, in order. kind: body or spacecraft; object: class of the object; part:
-    class of the part; ground: terrain, crater, rock, spacecraft, or body for one without terrain;
-    material: the material of a model's part, by its name in the file. At levels of your own,
-    `classes` of a body or spacecraft gives its class, and `labels.classes` those of parts;
-    without one it has id 0."""
+    class of the part, or area of a body; ground: terrain, crater, rock, spacecraft, or body for one
+    without terrain; material: the material of a model's part, by its name in the file. At levels
+    of your own, `classes` of a body or spacecraft gives its class, and `labels.classes` those of
+    parts; without one it has id 0."""
     part_classes: ClassPatterns = Field(default_factory=dict)
     """Class of part -> shell patterns on part names, material names or `part/material`
     (case-insensitive); the first match counts. `perilune parts CONFIG` lists the names."""

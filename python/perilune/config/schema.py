@@ -27,7 +27,7 @@ from perilune.config.camera import Camera
 from perilune.config.ephemeris import Ephemeris
 from perilune.config.errors import fail, nearest
 from perilune.config.faces import DEFAULT, Faces
-from perilune.config.labels import ClassPatterns, CraftClasses, Labels
+from perilune.config.labels import ClassPatterns, EntryClasses, Labels
 from perilune.config.lidar import Lidar
 from perilune.config.materials import DriverSection, Material, MaterialDrivers, MaterialUse
 from perilune.config.motion import check_motion, check_steps
@@ -261,7 +261,7 @@ class Spacecraft(Strict):
     """BOP object id. Default: 1, 2, ... in the order of this section."""
     class_: str | None = Field(default=None, alias="class")
     """Class at the label level `object`. Default: the entry's name."""
-    classes: CraftClasses = Field(default_factory=dict)
+    classes: EntryClasses = Field(default_factory=dict)
     """Classes at your own label levels: level of `labels.levels` -> class, or class -> shell
     patterns on part and material names, in place of those of `labels.classes`."""
     parts: Parts = Parts.of_defaults()

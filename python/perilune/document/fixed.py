@@ -20,6 +20,7 @@ def _of_body(body: Body) -> dict[str, Any]:
         "kind": body.kind,
         "class": body.class_,
         "classes": body.classes,
+        "areas": body.areas,
         "map_center_lon_deg": body.map_center_lon_deg,
         "orbit.kind": _orbit(body),
     }

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property, partial
 from pathlib import Path
@@ -16,24 +16,17 @@ from numpy.typing import NDArray
 from perilune import _core
 from perilune.base.same import Same
 from perilune.bodies import atmospheres, ground, maps, photometry, rings, shapes
+from perilune.bodies.areas import Areas
 from perilune.config.body import Body
 from perilune.config.errors import ConfigError, origin
-from perilune.config.labels import GROUND, CraterLabels
 from perilune.config.photometry import Photometry
 from perilune.config.rings import Rings
 from perilune.config.schema import Config, Spacecraft, Symmetries
 from perilune.config.shape import Shape
 from perilune.document.document import Document
 from perilune.document.fixed import fixed
-from perilune.frame.labels import (
-    CRATER,
-    ROCK,
-    Taxonomy,
-    ground_class,
-    object_class,
-    taxonomy,
-    unmatched,
-)
+from perilune.frame import scene_labels
+from perilune.frame.labels import Taxonomy, object_class, taxonomy, unmatched
 from perilune.frame.looks import Look, Looks
 from perilune.frame.pool import Pool
 from perilune.frame.remarks import Remarks
@@ -169,6 +162,7 @@ class Assets:
         self.pool = Pool()
         self.models: dict[tuple[Any, ...], _core.Model] = {}
         self.files: dict[tuple[Any, ...], _core.Map] = {}
+        self.areas: dict[object, Areas] = {}
         self.regolith_maps: dict[tuple[Path, ...], _core.Grid] = {}
         self.skies = Skies(document.path)
         self.shapes: dict[tuple[str, Shape], shapes.BodyShape] = {}
@@ -177,8 +171,6 @@ class Assets:
         self.ring_systems: dict[Rings, _core.Rings] = {}
         self.stages: dict[StageKey, _Stage] = {}
 
-
-_NONE_SO_LARGE_PX = 1e30
 
 _NOT_BUILT = ("version", "name", "description", "seed", "time.", "render.channels", "drivers")
 """Fixed keys that do not affect scenes."""
@@ -485,23 +477,11 @@ class Handles:
     def _stage(self, config: Config) -> _Stage:
         """A scene without material graphs."""
         scene = _core.Scene(len(self.taxonomy.levels))
-        part_ids: dict[str, list[int]] = {}
-        part_classes: dict[str, list[Mapping[str, str]]] = {}
-        for part in self.taxonomy.parts:
-            part_ids.setdefault(part.owner, []).append(part.id)
-            part_classes.setdefault(part.owner, []).append(part.classes)
-        self._add_bodies(scene, config, part_ids, part_classes)
-        self._add_crafts(scene, part_ids, part_classes)
+        self._add_bodies(scene, config)
+        self._add_crafts(scene)
         return _Stage(scene, _core.Renderer(scene))
 
-    def _add_bodies(
-        self,
-        scene: _core.Scene,
-        config: Config,
-        part_ids: Mapping[str, Sequence[int]],
-        part_classes: Mapping[str, Sequence[Mapping[str, str]]],
-    ) -> None:
-        """part_ids, part_classes: those of each entry's parts."""
+    def _add_bodies(self, scene: _core.Scene, config: Config) -> None:
         labels, meshes = self.taxonomy, self.shapes_of(config)
         for name, body in config.bodies.items():
             scene.add_body(
@@ -522,18 +502,14 @@ class Handles:
                 geodetic_clouds=body.has_geodetic_clouds,
                 dressed=body.may_be_dressed and name in meshes and meshes[name].color is not None,
                 instance_id=labels.instances[name],
-                part_id=part_ids[name][0],
-                class_ids=_class_ids(labels, name, body, part_classes[name])[0],
-                ground_class_ids=_ground_class_ids(labels, name, body, part_classes[name]),
-                crater_criteria=_crater_criteria(self.document.config.labels.craters),
+                part_id=int(scene_labels.part_ids(labels, name)[0]),
+                class_ids=scene_labels.class_ids(labels, name, body)[0],
+                ground_labels=scene_labels.ground_labels(labels, body),
+                crater_criteria=scene_labels.crater_criteria(self.document.config.labels.craters),
+                areas=scene_labels.areas(self.document, name, labels, self.assets.areas, self.tell),
             )
 
-    def _add_crafts(
-        self,
-        scene: _core.Scene,
-        part_ids: Mapping[str, Sequence[int]],
-        part_classes: Mapping[str, Sequence[Mapping[str, str]]],
-    ) -> None:
+    def _add_crafts(self, scene: _core.Scene) -> None:
         labels = self.taxonomy
         for name, row in self.models.items():
             index = scene.add_object(
@@ -542,38 +518,12 @@ class Handles:
                 offset=row.offset,
                 obj_id=row.obj_id,
                 instance_id=labels.instances[name],
-                part_ids=np.array(part_ids[name], dtype=np.int32),
-                class_ids=_class_ids(
-                    labels, name, self.document.config.spacecraft[name], part_classes[name]
+                part_ids=scene_labels.part_ids(labels, name),
+                class_ids=scene_labels.class_ids(
+                    labels, name, self.document.config.spacecraft[name]
                 ),
                 triangle_part=self.partitions[name].triangle_part,
             )
             if name in self.rigs:
                 nodes = np.array(self.rigs[name].core.nodes, dtype=np.int32)
                 scene.articulate(index, nodes)
-
-
-def _class_ids(
-    labels: Taxonomy, name: str, entry: Body | Spacecraft, parts: Sequence[Mapping[str, str]]
-) -> NDArray[np.uint16]:
-    kind = "body" if isinstance(entry, Body) else "spacecraft"
-    known = {"kind": kind, "object": object_class(name, entry), GROUND: ground_class(entry)}
-    return labels.class_ids(*({**known, **part} for part in parts))
-
-
-def _crater_criteria(given: CraterLabels | None) -> tuple[float, float, float]:
-    if given is None:
-        return _NONE_SO_LARGE_PX, 0.0, 0.0
-    return given.least_px, given.least_depth, given.least_kept
-
-
-def _ground_class_ids(
-    labels: Taxonomy, name: str, body: Body, parts: Sequence[Mapping[str, str]]
-) -> NDArray[np.uint16] | None:
-    """(2, levels) of the rocks and craters of a body; None if no level tells them apart."""
-    if GROUND not in labels.levels or body.terrain is None:
-        return None
-    rows = np.repeat(_class_ids(labels, name, body, parts)[:1], 2, axis=0)
-    ids = labels.classes[GROUND]
-    rows[:, labels.levels.index(GROUND)] = ids[ROCK], ids[CRATER]
-    return rows

@@ -9,6 +9,8 @@ from fnmatch import fnmatchcase
 import numpy as np
 from numpy.typing import NDArray
 
+from perilune.bodies.areas import names_of
+from perilune.config.areas import SURFACE
 from perilune.config.body import Body
 from perilune.config.errors import ConfigError, nearest
 from perilune.config.labels import GROUND, LEVELS, MATERIAL, ClassPatterns
@@ -32,7 +34,6 @@ VALUES: Mapping[str, Mapping[int, str]] = {
     "flow_occlusion_backward": _OCCLUSION,
 }
 """Names of the values of channels that do not depend on the configuration."""
-_SURFACE = "surface"
 _PART = "part"
 _IDS_MAX = 65535
 
@@ -91,6 +92,10 @@ class Taxonomy:
         named = {channel: self.names(channel) for channel in channels}
         return named | {channel: dict(values) for channel, values in VALUES.items()}
 
+    def parts_of(self, owner: str) -> list[Part]:
+        """Parts of a body or spacecraft, in the order in which the core has them."""
+        return [part for part in self.parts if part.owner == owner]
+
     def class_ids(self, *names: Mapping[str, str]) -> NDArray[np.uint16]:
         """(n, levels): class ids of objects given by their class name at each level; 0 without
         one."""
@@ -148,25 +153,42 @@ def part_class(config: Config, craft: Spacecraft, part: PartEntry) -> str:
     return config.labels.other_part if found is None else found
 
 
+def _own_classes(
+    entry: Body | Spacecraft, part: PartEntry, shared: Mapping[str, ClassPatterns]
+) -> dict[str, str]:
+    """Class of a part at each level of one's own at which it has one."""
+    found = {}
+    for level, given in {**shared, **entry.classes}.items():
+        name = given if isinstance(given, str) else _first_match(part, given)
+        if name is not None:
+            found[level] = name
+    return found
+
+
 def _part_classes(config: Config, craft: Spacecraft, part: PartEntry) -> dict[str, str]:
     """Level -> class of a part, at all levels that tell parts apart; none where it has id 0."""
-    found: dict[str, str | None] = {_PART: part_class(config, craft, part)}
+    found = _own_classes(craft, part, config.labels.classes)
+    found[_PART] = part_class(config, craft, part)
     if part.material:
         found[MATERIAL] = part.material
-    for level in config.labels.levels:
-        given = craft.classes.get(level, config.labels.classes.get(level))
-        if given is not None:
-            found[level] = given if isinstance(given, str) else _first_match(part, given)
-    return {level: name for level, name in found.items() if name is not None}
+    return found
 
 
-def _tables(config: Config, craft: str) -> Iterator[tuple[str, ClassPatterns]]:
-    """Key path and table of all patterns that a spacecraft states itself."""
-    own = config.spacecraft[craft]
-    yield f"spacecraft.{craft}.part_classes", own.part_classes
-    for level, given in own.classes.items():
-        if not isinstance(given, str):
-            yield f"spacecraft.{craft}.classes.{level}", given
+def _areas(body: Body) -> list[PartEntry]:
+    """Parts of a body: its surface, and the areas on it."""
+    return [PartEntry(name, name, "") for name in (SURFACE, *names_of(body.areas))]
+
+
+def _stated(config: Config) -> Iterator[tuple[str, str, ClassPatterns]]:
+    """Entry, key path and table of all patterns that an entry states itself."""
+    for name, craft in config.spacecraft.items():
+        yield name, f"spacecraft.{name}.part_classes", craft.part_classes
+    classes = {("bodies", name): body.classes for name, body in config.bodies.items()}
+    classes |= {("spacecraft", name): craft.classes for name, craft in config.spacecraft.items()}
+    for (section, name), levels in classes.items():
+        for level, given in levels.items():
+            if not isinstance(given, str):
+                yield name, f"{section}.{name}.classes.{level}", given
 
 
 def unmatched(
@@ -176,14 +198,14 @@ def unmatched(
 
     In the tables of `labels`, which configurations may share, only classes are reported none of
     whose patterns matches a part of any spacecraft. parts: those of each spacecraft's model."""
-    for name in config.spacecraft:
-        known = list(dict.fromkeys(text for part in parts[name] for text in (part.base, part.name)))
-        for key, table in _tables(config, name):
-            for class_name, patterns in table.items():
-                for pattern in patterns:
-                    if not any(_fits(pattern, part) for part in parts[name]):
-                        text = f"'{pattern}' fits no part{nearest(pattern, known)}"
-                        yield f"{key}.{class_name}", text
+    owned = {name: _areas(body) for name, body in config.bodies.items()} | dict(parts)
+    for name, key, table in _stated(config):
+        known = list(dict.fromkeys(text for part in owned[name] for text in (part.base, part.name)))
+        for class_name, patterns in table.items():
+            for pattern in patterns:
+                if not any(_fits(pattern, part) for part in owned[name]):
+                    text = f"'{pattern}' fits no part{nearest(pattern, known)}"
+                    yield f"{key}.{class_name}", text
     every = [part for name in config.spacecraft for part in parts[name]]
     shared = {"labels.part_classes": config.labels.part_classes}
     for level, table in config.labels.classes.items():
@@ -211,6 +233,7 @@ def _numbered(level: str, names: Iterable[str], fixed: Mapping[str, int]) -> dic
 def _class_names(config: Config, parts: Mapping[str, Sequence[PartEntry]]) -> dict[str, list[str]]:
     """Names of classes at each level, in the order in which they are numbered."""
     labels, crafts = config.labels, config.spacecraft
+    areas = [name for body in config.bodies.values() for name in names_of(body.areas)]
     tables = [labels.part_classes, *(craft.part_classes for craft in crafts.values())]
     names = {
         "kind": ["body", "spacecraft"],
@@ -218,7 +241,7 @@ def _class_names(config: Config, parts: Mapping[str, Sequence[PartEntry]]) -> di
             *(object_class(name, body) for name, body in config.bodies.items()),
             *(object_class(name, craft) for name, craft in crafts.items()),
         ],
-        _PART: [_SURFACE, *(name for table in tables for name in table), labels.other_part],
+        _PART: [SURFACE, *areas, *(name for table in tables for name in table), labels.other_part],
         GROUND: [TERRAIN, CRATER, ROCK, SPACECRAFT, BODY],
         MATERIAL: [part.material for rows in parts.values() for part in rows if part.material],
     }
@@ -247,8 +270,9 @@ def taxonomy(config: Config, parts: Mapping[str, Sequence[PartEntry]]) -> Taxono
     instances = {name: k for k, name in enumerate([*config.bodies, *config.spacecraft], start=1)}
     rows: list[Part] = []
     for name, body in config.bodies.items():
-        own = {**body.classes, _PART: _SURFACE}
-        rows.append(Part(len(rows) + 1, name, _SURFACE, "", own))
+        for area in _areas(body):
+            own = {**_own_classes(body, area, {}), _PART: area.name}
+            rows.append(Part(len(rows) + 1, name, area.name, "", own))
     for name, craft in config.spacecraft.items():
         for part in parts[name]:
             own = _part_classes(config, craft, part)
