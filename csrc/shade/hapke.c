@@ -129,19 +129,25 @@ double pl_hapke_h(const pl_hapke *hapke, double x) {
   return hapke->simple_h ? simple_h(gamma, x) : h_of(hapke->w, gamma, x, logarithm_of(hapke, x));
 }
 
+pl_hapke_at_phase pl_hapke_at_phase_of(const pl_hapke *hapke, const pl_hapke_angles *a) {
+  return (pl_hapke_at_phase){
+      .k = hapke->filling > 0.0 ? pl_hapke_porosity(hapke->filling) : 1.0,
+      .single = (1.0 + hapke->b_s0 * pl_hapke_shadow_surge(hapke, a)) * pl_hapke_phase(hapke, a),
+      .coherent = 1.0 + hapke->b_c0 * pl_hapke_coherent_surge(hapke, a),
+  };
+}
+
 pl_hapke_terms pl_hapke_terms_of(const pl_hapke *hapke, const pl_hapke_angles *a,
-                                 const pl_hapke_relief *relief) {
+                                 const pl_hapke_relief *relief, const pl_hapke_at_phase *phase) {
   const double sum = relief->mu0e + relief->mue;
   pl_hapke_terms out = {.dark = !(a->mu0 > 0.0 && a->mu > 0.0 && sum > 0.0)};
   if (out.dark)
     return out;
-  out.k = hapke->filling > 0.0 ? pl_hapke_porosity(hapke->filling) : 1.0;
-  out.single = (1.0 + hapke->b_s0 * pl_hapke_shadow_surge(hapke, a)) * pl_hapke_phase(hapke, a);
-  out.coherent = 1.0 + hapke->b_c0 * pl_hapke_coherent_surge(hapke, a);
+  out.phase = *phase;
   out.share = relief->mu0e / sum;
   out.shadowing = relief->shadowing;
-  out.x[0] = relief->mu0e / out.k;
-  out.x[1] = relief->mue / out.k;
+  out.x[0] = relief->mu0e / phase->k;
+  out.x[1] = relief->mue / phase->k;
   for (int k = 0; k < 2; k++)
     out.logarithm[k] = logarithm_of(hapke, out.x[k]);
   return out;
@@ -156,13 +162,15 @@ double pl_hapke_of_terms(const pl_hapke *hapke, const pl_hapke_terms *terms) {
     h[k] = hapke->simple_h ? simple_h(gamma, terms->x[k])
                            : h_of(hapke->w, gamma, terms->x[k], terms->logarithm[k]);
   const double multiple = h[0] * h[1] - 1.0;
-  return terms->k * hapke->w / (4.0 * PL_PI) * terms->share * (terms->single + multiple) *
-         terms->coherent * terms->shadowing;
+  const pl_hapke_at_phase *phase = &terms->phase;
+  return phase->k * hapke->w / (4.0 * PL_PI) * terms->share * (phase->single + multiple) *
+         phase->coherent * terms->shadowing;
 }
 
 double pl_hapke_reflect(const pl_hapke *hapke, const pl_hapke_angles *angles,
                         const pl_hapke_relief *relief) {
-  const pl_hapke_terms terms = pl_hapke_terms_of(hapke, angles, relief);
+  const pl_hapke_at_phase phase = pl_hapke_at_phase_of(hapke, angles);
+  const pl_hapke_terms terms = pl_hapke_terms_of(hapke, angles, relief, &phase);
   return pl_hapke_of_terms(hapke, &terms);
 }
 

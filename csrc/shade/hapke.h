@@ -63,19 +63,25 @@ double pl_hapke_porosity(double filling);
 /* H function at the cosine (divided by K) x >= 0. */
 double pl_hapke_h(const pl_hapke *hapke, double x);
 
+/* What depends on the phase angle alone: facets of all slopes share it. */
+typedef struct pl_hapke_at_phase {
+  double k;        /* porosity factor */
+  double single;   /* single scattering with its surge */
+  double coherent; /* factor of the coherent surge */
+} pl_hapke_at_phase;
+pl_hapke_at_phase pl_hapke_at_phase_of(const pl_hapke *hapke, const pl_hapke_angles *angles);
+
 /* What does not depend on the albedo: bands that differ in it alone share these terms. */
 typedef struct pl_hapke_terms {
-  bool dark;           /* the reflectance is 0 */
-  double k;            /* porosity factor */
-  double single;       /* single scattering with its surge */
-  double coherent;     /* factor of the coherent surge */
+  bool dark; /* the reflectance is 0 */
+  pl_hapke_at_phase phase;
   double share;        /* mu0e / (mu0e + mue) */
   double shadowing;    /* S */
   double x[2];         /* arguments of H: those of mu0e and mue */
   double logarithm[2]; /* log1p(1/x), as H of 2002 needs it */
 } pl_hapke_terms;
 pl_hapke_terms pl_hapke_terms_of(const pl_hapke *hapke, const pl_hapke_angles *angles,
-                                 const pl_hapke_relief *relief);
+                                 const pl_hapke_relief *relief, const pl_hapke_at_phase *phase);
 /* pl_hapke_reflect from its terms. */
 double pl_hapke_of_terms(const pl_hapke *hapke, const pl_hapke_terms *terms);
 

@@ -8,7 +8,7 @@ static double law(const pl_hapke *band, double limb, const pl_hapke_angles *a,
     if (band->roughness_rad != shared->roughness_rad)
       shared->relief = pl_hapke_relief_of(a, band->roughness_rad);
     shared->roughness_rad = band->roughness_rad;
-    shared->terms = pl_hapke_terms_of(band, a, &shared->relief);
+    shared->terms = pl_regolith_terms_of(band, a, &shared->relief, shared->phase);
     shared->known = true;
   }
   return pl_hapke_of_terms(band, &shared->terms);

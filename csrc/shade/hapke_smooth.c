@@ -6,7 +6,7 @@ static double law(const pl_hapke *band, double limb, const pl_hapke_angles *a,
   (void)limb;
   if (!shared->known) {
     const pl_hapke_relief relief = pl_hapke_plane(a);
-    shared->terms = pl_hapke_terms_of(band, a, &relief);
+    shared->terms = pl_regolith_terms_of(band, a, &relief, shared->phase);
     shared->known = true;
   }
   return pl_hapke_of_terms(band, &shared->terms);

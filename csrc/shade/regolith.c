@@ -32,8 +32,9 @@ static bool alike(const pl_hapke *a, const pl_hapke *b) {
          a->filling == b->filling;
 }
 
+/* `phases`: of the three bands, for light and a viewer at one angle to each other. */
 static pl_vec3f evaluate_plane(const pl_surface *surface, pl_vec3f wo, pl_vec3f wi,
-                               pl_regolith_law law) {
+                               pl_regolith_law law, pl_regolith_phase phases[3]) {
   double value[3];
   pl_hapke last = {0};
   if (!(wi.z > 0.0f && wo.z > 0.0f))
@@ -45,6 +46,7 @@ static pl_vec3f evaluate_plane(const pl_surface *surface, pl_vec3f wo, pl_vec3f 
     const pl_hapke band = band_of(surface, k);
     const bool known = k > 0 && alike(&band, &last);
     shared.known = shared.known && known;
+    shared.phase = &phases[k];
     value[k] = known && band.w == last.w
                    ? value[k - 1]
                    : law(&band, (double)surface->regolith.limb, &angles, &shared);
@@ -55,21 +57,23 @@ static pl_vec3f evaluate_plane(const pl_surface *surface, pl_vec3f wo, pl_vec3f 
   return pl_vec3f_make((float)value[0], (float)value[1], (float)value[2]);
 }
 
-/* A law as the context of a function. */
+/* A law as the context of a function, with what facets share. */
 typedef struct plane {
   pl_regolith_law law;
+  pl_regolith_phase *phases;
 } plane;
 
 static pl_vec3f facet(const pl_surface *surface, pl_vec3f wo, pl_vec3f wi, const void *context) {
   const plane *of = context;
-  return evaluate_plane(surface, wo, wi, of->law);
+  return evaluate_plane(surface, wo, wi, of->law, of->phases);
 }
 
 pl_vec3f pl_regolith_evaluate(const pl_surface *surface, pl_vec3f wo, pl_vec3f wi,
                               pl_regolith_law law) {
-  const plane of = {law};
+  pl_regolith_phase phases[3] = {{.known = false}};
+  const plane of = {law, phases};
   return pl_rough_on(&surface->rough) ? pl_rough_reflect(surface, wo, wi, facet, &of)
-                                      : evaluate_plane(surface, wo, wi, law);
+                                      : evaluate_plane(surface, wo, wi, law, phases);
 }
 
 /* Probability of sampling the backscattering lobe, and its Henyey-Greenstein parameter. */
@@ -113,7 +117,8 @@ bool pl_regolith_sample(const pl_surface *surface, pl_vec3f wo, const float u[2]
   *pdf = pl_regolith_pdf(surface, wo, *wi);
   if (!(*pdf > 0.0f))
     return false;
-  *weight = pl_vec3f_scale(evaluate_plane(surface, wo, *wi, law), 1.0f / *pdf);
+  pl_regolith_phase phases[3] = {{.known = false}};
+  *weight = pl_vec3f_scale(evaluate_plane(surface, wo, *wi, law, phases), 1.0f / *pdf);
   return true;
 }
 

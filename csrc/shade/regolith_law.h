@@ -5,19 +5,36 @@
 #include "shade/hapke.h"
 #include "shade/reflectance.h"
 
+/* Terms of a band that depend on the phase angle alone: the facets of rough ground share them. */
+typedef struct pl_regolith_phase {
+  bool known;
+  pl_hapke_at_phase of;
+} pl_regolith_phase;
+
 /* Terms of the band before, if it differs from this one in the albedo alone (`known`); else a law
  * may leave its own there. */
 typedef struct pl_regolith_shared {
   bool known;
   pl_hapke_terms terms;
-  double roughness_rad;   /* of the last relief; negative for none */
-  pl_hapke_relief relief; /* depends on the roughness alone */
+  pl_regolith_phase *phase; /* of this band */
+  double roughness_rad;     /* of the last relief; negative for none */
+  pl_hapke_relief relief;   /* depends on the roughness alone */
 } pl_regolith_shared;
 
 /* Bidirectional reflectance r of one band, 1/sr; i and e are below 90 degrees. `limb`: see
  * pl_regolith. */
 typedef double (*pl_regolith_law)(const pl_hapke *band, double limb, const pl_hapke_angles *angles,
                                   pl_regolith_shared *shared);
+
+/* Terms of Hapke's model for a band that starts a run of like ones. */
+static inline pl_hapke_terms pl_regolith_terms_of(const pl_hapke *band,
+                                                  const pl_hapke_angles *angles,
+                                                  const pl_hapke_relief *relief,
+                                                  pl_regolith_phase *phase) {
+  if (!phase->known)
+    *phase = (pl_regolith_phase){true, pl_hapke_at_phase_of(band, angles)};
+  return pl_hapke_terms_of(band, angles, relief, &phase->of);
+}
 
 /* Evaluates the model in each band: `evaluate` of a row. */
 pl_vec3f pl_regolith_evaluate(const pl_surface *surface, pl_vec3f wo, pl_vec3f wi,
