@@ -20,9 +20,10 @@ static const float SCATTER_DN = 56.0f;
  * therefore sampled, up to `samples` times, until its standard error is below this many tolerances.
  */
 static const float QUIET = 3.0f;
-/* Minimum number of samples before a pixel may be finished: on bodies, which are smooth; where a
- * mesh may be visible; and where the centre rays of a pixel and its neighbours hit different
- * things. Outlines contain slivers that a small number of samples misses. */
+/* Minimum number of samples before a pixel may be finished: on bodies and ground, which are without
+ * slivers; where another mesh may be visible; and where the centre rays of a pixel and its
+ * neighbours hit different things. Outlines contain slivers that a small number of samples misses.
+ */
 enum { BODY_MIN = 2, MESH_MIN = 4, OUTLINE_MIN = 8 };
 /* A pixel also gets at least samples / LEAST_PART samples, and on outlines samples / OUTLINE_PART,
  * so that a higher `samples` raises the count even in pixels that look quiet by chance. */
@@ -216,6 +217,13 @@ static bool on_outline(const pl_path_context *context, const pl_tile_buffers *b,
   return false;
 }
 
+/* Whether a mesh may be visible in a pixel, other than ground. */
+static bool sees_mesh(const pl_path_context *context, uint32_t pixel) {
+  const int x = context->tile.x0 + (int)(pixel % PL_TILE_SIDE);
+  const int y = context->tile.y0 + (int)(pixel / PL_TILE_SIDE);
+  return pl_coverage_of(context->coverage, x, y) == PL_COVERED_BY_MESH;
+}
+
 /* Part of a pixel that a white object in the sun must fill to be distinguishable from black. */
 static double faint_part(const pl_path_context *context) {
   static const double BLACK_SLOPE = 12.92 * 255.0; /* of sRGB */
@@ -280,7 +288,7 @@ void pl_path_adapt(const pl_path_context *context, pl_tile_buffers *b) {
     const uint32_t pixel = b->active[i];
     const int n = b->counts[pixel];
     b->followed[pixel] = worth_following(&moments, bordered(pixel));
-    const bool early = n < least || n < (i < b->active_meshes ? MESH_MIN : BODY_MIN) ||
+    const bool early = n < least || n < (sees_mesh(context, pixel) ? MESH_MIN : BODY_MIN) ||
                        (n < outline && on_outline(context, b, pixel));
     if (early || !is_finished(context->settings, &moments, pixel, (float)n) ||
         (n < samples && may_miss(context, b, pixel)))

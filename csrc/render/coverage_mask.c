@@ -222,21 +222,21 @@ static atomic_uchar *row_of(const pl_coverage *coverage, int y) {
 }
 
 /* Relaxed stores suffice: no thread depends on the marks of another. */
-static void mark_run(const pl_coverage *coverage, int y, int x0, int x1) {
+static void mark_run(const pl_coverage *coverage, int y, int x0, int x1, pl_coverage_mark mark) {
   atomic_uchar *row = row_of(coverage, y);
   for (int x = x0; x <= x1; x++)
-    atomic_store_explicit(&row[x], 1, memory_order_relaxed);
+    atomic_store_explicit(&row[x], (unsigned char)mark, memory_order_relaxed);
 }
 
-static void mark_area(const pl_coverage *coverage, const area *a) {
+static void mark_area(const pl_coverage *coverage, const area *a, pl_coverage_mark mark) {
   for (int y = a->y0; y <= a->y1; y++)
-    mark_run(coverage, y, a->x0, a->x1);
+    mark_run(coverage, y, a->x0, a->x1, mark);
 }
 
 static bool is_marked(const pl_coverage *coverage, const area *a) {
   for (int y = a->y0; y <= a->y1; y++)
     for (int x = a->x0; x <= a->x1; x++)
-      if (!pl_coverage_pixel(coverage, x, y))
+      if (pl_coverage_of(coverage, x, y) != PL_COVERED_BY_MESH)
         return false;
   return true;
 }
@@ -268,7 +268,7 @@ static void mark_rows(const pl_coverage *coverage, const double p[3][2], double 
     if (x0 > a->x1 || x1 < a->x0)
       continue;
     const int first = x0 > a->x0 ? (int)x0 + (x0 > (int)x0) : a->x0;
-    mark_run(coverage, y, first, x1 < a->x1 ? (int)x1 : a->x1);
+    mark_run(coverage, y, first, x1 < a->x1 ? (int)x1 : a->x1, PL_COVERED_BY_MESH);
   }
 }
 
@@ -308,7 +308,7 @@ static void mark_triangle(const placed *at, const pl_coverage *coverage, uint32_
   if (!area_of(in, &e, &a) || is_marked(coverage, &a))
     return;
   if (a.x1 - a.x0 < NARROW || a.y1 - a.y0 < NARROW || isinf(by))
-    mark_area(coverage, &a);
+    mark_area(coverage, &a, PL_COVERED_BY_MESH);
   else
     mark_rows(coverage, p, margin, &a);
 }
@@ -335,7 +335,7 @@ static bool visit(const placed *at, const pl_coverage *coverage, uint32_t index,
   if (!small && !leaf)
     return true;
   if (small || !closely || box->count > pixels_of(out) * at->rays) {
-    mark_area(coverage, out);
+    mark_area(coverage, out, PL_COVERED_BY_MESH);
     return false;
   }
   for (uint32_t i = box->first; i < box->first + box->count; i++)
@@ -415,11 +415,12 @@ void pl_coverage_sphere(const pl_coverage_job *job, pl_vec3 center, double radiu
       double half_angle_rad;
       pl_snapshot_cone(job->shot, rect, &axis, &half_angle_rad);
       if (pl_snapshot_sees(job->shot, center, radius_m, axis, half_angle_rad))
-        mark_area(job->coverage, &block);
+        mark_area(job->coverage, &block, PL_COVERED_BY_GROUND);
     }
 }
 
-/* Marks bodies that rays do not meet in closed form; those with a shape are objects. */
+/* Marks bodies that rays do not meet in closed form; those with a shape are objects, whose marks
+ * come later and are stronger. */
 static void mark_bodies(const pl_coverage_job *job) {
   for (size_t i = 0; i < job->shot->body_count; i++) {
     const pl_shot_body *body = &job->shot->bodies[i];

@@ -8,9 +8,16 @@
 
 #include "scene/snapshot.h"
 
+/* What a ray through a pixel may meet. Ground is continuous, of meshes there may be slivers. */
+typedef enum pl_coverage_mark {
+  PL_COVERED_BY_NONE,
+  PL_COVERED_BY_MESH,
+  PL_COVERED_BY_GROUND /* and by no other mesh */
+} pl_coverage_mark;
+
 typedef struct pl_coverage {
   int width, height;
-  atomic_uchar *pixels; /* owned; 1 where a ray through the pixel may meet a mesh */
+  atomic_uchar *pixels; /* pl_coverage_mark; owned */
   size_t room;          /* bytes allocated */
 } pl_coverage;
 
@@ -32,12 +39,17 @@ typedef struct pl_coverage_job {
 
 /* Marks the pixels of one slice of the boxes of an object, and of its pieces. */
 void pl_coverage_object(const pl_coverage_job *job, pl_surface_id id, size_t slice);
-/* Marks the blocks of pixels in which a sphere may be visible. */
+/* Marks the blocks of pixels in which a sphere of ground may be visible. */
 void pl_coverage_sphere(const pl_coverage_job *job, pl_vec3 center, double radius_m);
 
+static inline pl_coverage_mark pl_coverage_of(const pl_coverage *coverage, int x, int y) {
+  return (pl_coverage_mark)atomic_load_explicit(
+      &coverage->pixels[(size_t)y * (size_t)coverage->width + (size_t)x], memory_order_relaxed);
+}
+
+/* Whether a ray through the pixel may meet any mesh. */
 static inline bool pl_coverage_pixel(const pl_coverage *coverage, int x, int y) {
-  return atomic_load_explicit(&coverage->pixels[(size_t)y * (size_t)coverage->width + (size_t)x],
-                              memory_order_relaxed) != 0;
+  return pl_coverage_of(coverage, x, y) != PL_COVERED_BY_NONE;
 }
 
 #endif
