@@ -41,3 +41,34 @@ bool pl_sun_covers(const pl_sun_view *view, pl_vec3f direction) {
   return pl_vec3f_dot(view->direction, direction) > 0.0f &&
          pl_vec3f_dot(across, across) < view->sin_radius * view->sin_radius;
 }
+
+/* The angle to the sphere's centre is less than the sum of both angular radii. Compares sines and
+ * cosines of that sum, because the cosine alone has too few digits for a distant sun. */
+bool pl_sun_behind_sphere(const pl_sun_view *view, pl_vec3 point, pl_vec3 center, double radius_m) {
+  const pl_vec3 to_center = pl_vec3_sub(center, point);
+  const double besides2 = pl_vec3_dot(to_center, to_center) - radius_m * radius_m;
+  if (!(besides2 > 0.0))
+    return true;
+  const pl_vec3 toward = pl_vec3f_to_double(view->direction);
+  const pl_vec3 across = pl_vec3_cross(to_center, toward);
+  const double besides = sqrt(besides2), sine = view->sin_radius,
+               cosine = 1.0 - view->one_minus_cos;
+  /* maximum distance of the sphere's centre from the line to the sun's centre */
+  const double most = radius_m * cosine + besides * sine;
+  const bool ahead = pl_vec3_dot(to_center, toward) > 0.0;
+  const bool less = pl_vec3_dot(across, across) < most * most;
+  return besides * cosine > radius_m * sine ? ahead && less : ahead || !less;
+}
+
+uint32_t pl_sun_next_sphere(const pl_sun_view *view, const pl_sphere_tree *tree, pl_vec3 point,
+                            double margin_m, size_t *k) {
+  while (*k < tree->count) {
+    const pl_sphere *sphere = &tree->nodes[*k];
+    const bool behind =
+        pl_sun_behind_sphere(view, point, sphere->center, sphere->radius_m + margin_m);
+    *k = pl_sphere_next(tree, *k, behind);
+    if (behind && sphere->item != PL_INNER_NODE)
+      return sphere->item;
+  }
+  return PL_NO_ITEM;
+}

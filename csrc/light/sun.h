@@ -23,4 +23,11 @@ float pl_sun_pdf(const pl_sun_view *view);
 /* True if a unit direction points at the disc. */
 bool pl_sun_covers(const pl_sun_view *view, pl_vec3f direction);
 
+/* True if a sphere covers a part of the disc as seen from a point, or contains the point. */
+bool pl_sun_behind_sphere(const pl_sun_view *view, pl_vec3 point, pl_vec3 center, double radius_m);
+/* Returns the next item of a tree, from node *k on, whose sphere does so if `margin_m` is added to
+ * its radius; PL_NO_ITEM after the last. */
+uint32_t pl_sun_next_sphere(const pl_sun_view *view, const pl_sphere_tree *tree, pl_vec3 point,
+                            double margin_m, size_t *k);
+
 #endif

@@ -7,6 +7,9 @@
 /* A group counts as far away from this many of its radii on. Its members are at most two radii
  * farther, so that their solid angles are overestimated at most three times. */
 static const double FAR = 3.0;
+/* A group of which the bound, at any distance, is at most this part of the sum so far is not
+ * divided either: moons of a planet that fills the sky. */
+static const double NEGLIGIBLE = 0.01;
 static const double PI = 3.14159265358979323846;
 
 static pl_view_node leaf_of(const pl_view *view, size_t index) {
@@ -104,15 +107,21 @@ static void add_up(pl_view_tree *tree) {
 }
 
 void pl_view_weigh(const pl_view *view, pl_view_weight_fn weight, const void *context) {
-  for (size_t n = 0; view->tree != NULL && n < view->tree->count; n++) {
-    pl_view_node *node = &view->tree->nodes[n];
+  pl_view_tree *tree = view->tree;
+  double most = -1.0;
+  for (size_t n = 0; tree != NULL && n < tree->count; n++) {
+    pl_view_node *node = &tree->nodes[n];
     if (node->thing == PL_VIEW_SEVERAL)
       continue;
     const pl_view_thing *thing = &view->things[node->thing];
     node->weighed = square_of(thing) * weight(thing, context);
+    if (node->weighed > most) {
+      most = node->weighed;
+      tree->first_weighed = n;
+    }
   }
-  if (view->tree != NULL)
-    add_up(view->tree);
+  if (tree != NULL)
+    add_up(tree);
 }
 
 /* From afar: a node's distance is that of its sphere, so no facet is nearer. */
@@ -144,6 +153,7 @@ pl_status pl_view_tree_build(pl_arena *arena, pl_view *view) {
   pl_view_weigh(view, light_of, view);
   for (size_t n = 0; n < tree->count; n++)
     nodes[n].light = nodes[n].weighed;
+  tree->first_light = tree->first_weighed;
   return PL_OK;
 }
 
@@ -155,23 +165,39 @@ static double gap_m(const pl_view_thing *receiver, const pl_view_node *node) {
   return sqrt(square) - receiver->radius_m - node->ball.radius_m;
 }
 
+/* The part of one source in a sum. */
+static double part_of(const pl_view *view, const pl_view_thing *receiver,
+                      const pl_view_thing *source, bool light, pl_view_weight_fn weight,
+                      const void *context) {
+  if (source == receiver)
+    return 0.0;
+  return pl_view_transfer(receiver, source) *
+         (light ? pl_view_light_at(view, receiver, source) : weight(source, context));
+}
+
 static double sum_of(const pl_view *view, const pl_view_thing *receiver, bool light,
                      pl_view_weight_fn weight, const void *context) {
   const pl_view_tree *tree = view->tree;
-  double sum = 0.0;
+  const size_t first = light ? tree->first_light : tree->first_weighed;
+  double sum =
+      part_of(view, receiver, &view->things[tree->nodes[first].thing], light, weight, context);
   for (size_t n = 0; n < tree->count;) {
     const pl_view_node *node = &tree->nodes[n];
     const double weighed = light ? node->light : node->weighed;
+    if (!(weighed > 0.0) || n == first) {
+      n = node->after;
+      continue;
+    }
     const bool one = node->thing != PL_VIEW_SEVERAL;
-    const double gap = one || !(weighed > 0.0) ? 0.0 : gap_m(receiver, node);
-    const bool far = gap > FAR * node->ball.radius_m;
+    const double gap = gap_m(receiver, node);
+    const double most =
+        gap > 0.0 ? pl_view_transfer_most(receiver, weighed / (gap * gap)) : INFINITY;
+    const bool far = most <= NEGLIGIBLE * sum || (!one && gap > FAR * node->ball.radius_m);
     if (far)
-      sum += pl_view_transfer_most(receiver, weighed / (gap * gap));
-    else if (one && weighed > 0.0 && &view->things[node->thing] != receiver)
-      sum += pl_view_transfer(receiver, &view->things[node->thing]) *
-             (light ? pl_view_light_at(view, receiver, &view->things[node->thing])
-                    : weight(&view->things[node->thing], context));
-    n = far || !(weighed > 0.0) ? node->after : n + 1;
+      sum += most;
+    else if (one)
+      sum += part_of(view, receiver, &view->things[node->thing], light, weight, context);
+    n = far ? node->after : n + 1;
   }
   return sum;
 }

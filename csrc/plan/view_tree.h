@@ -22,6 +22,8 @@ struct pl_view_tree {
   pl_view_node *nodes; /* each node is followed by its descendants */
   bool ringed;         /* something has rings */
   double albedo_max;   /* of all objects and bodies, at most 1 */
+  /* indices of the leaves with the largest `light` and `weighed`, whose parts come first in sums */
+  size_t first_light, first_weighed;
 };
 
 /* Builds the tree of a view of more than PL_VIEW_FEW objects and bodies in `arena`. Smaller views

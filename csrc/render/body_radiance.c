@@ -9,6 +9,7 @@
 #include "render/render.h"
 #include "render/medium.h"
 #include "shade/reflectance.h"
+#include "trace/intersect.h"
 
 /* Albedo of bodies that have a shape: their facets are not evaluated. */
 static const float SHAPE = 0.2f;
@@ -24,10 +25,13 @@ static double meet(const pl_shot_body *body, const pl_beam *beam) {
 /* True if another body hides the point at distance t. The body in which the ray starts is ignored.
  */
 static bool is_hidden(const pl_snapshot *shot, uint32_t body, const pl_beam *beam, double t) {
-  for (size_t i = 0; i < shot->body_count; i++) {
+  const pl_ray ray = {
+      .origin = beam->origin, .direction = beam->direction, .t_max = t, .skip_body = body};
+  size_t k = 0;
+  for (uint32_t i; (i = pl_next_body(shot, &ray, t, &k)) != PL_NO_BODY;) {
     const pl_shot_body *other = &shot->bodies[i];
     const double apart = pl_vec3_norm(pl_vec3_sub(other->center, beam->origin));
-    if (i != body && apart > other->radius_m && meet(other, beam) < t)
+    if (apart > other->radius_m && meet(other, beam) < t)
       return true;
   }
   return false;

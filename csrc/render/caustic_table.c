@@ -210,12 +210,17 @@ static bool lights_cover(const pl_caustic_mirror *m, const pl_shot_object *objec
   return false;
 }
 
-static bool lights_object(const pl_caustic_mirror *m, const pl_shot_object *object) {
-  const float radius = (float)object->radius_m;
+static bool meets_sphere(const pl_caustic_mirror *m, pl_vec3 center, double radius_m) {
+  const float radius = (float)radius_m;
   const receiver ball = {
-      .from = pl_vec3_to_float(pl_vec3_sub(object->center, m->center)),
+      .from = pl_vec3_to_float(pl_vec3_sub(center, m->center)),
       .half = {{radius, 0.0f, 0.0f}, {0.0f, radius, 0.0f}, {0.0f, 0.0f, radius}}};
-  if (!object->kept || !meets(m, &ball))
+  return meets(m, &ball);
+}
+
+/* The beam meets the object's sphere. */
+static bool lights_object(const pl_caustic_mirror *m, const pl_shot_object *object) {
+  if (!object->kept)
     return false;
   if (object->pieces == NULL)
     return lights_cover(m, object, NULL, object->object->cover);
@@ -236,9 +241,14 @@ static bool lights_body(const pl_caustic_mirror *m, const pl_shot_body *body) {
 }
 
 static bool lights_anything(const pl_snapshot *shot, const pl_caustic_mirror *m) {
-  for (size_t i = 0; i < shot->object_count; i++)
-    if (lights_object(m, &shot->objects[i]))
+  const pl_sphere_tree *tree = &shot->object_tree;
+  for (size_t k = 0; k < tree->count;) {
+    const pl_sphere *sphere = &tree->nodes[k];
+    const bool met = meets_sphere(m, sphere->center, sphere->radius_m);
+    if (met && sphere->item != PL_INNER_NODE && lights_object(m, &shot->objects[sphere->item]))
       return true;
+    k = pl_sphere_next(tree, k, met);
+  }
   for (size_t i = 0; i < shot->body_count; i++)
     if (lights_body(m, &shot->bodies[i]))
       return true;

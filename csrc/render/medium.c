@@ -175,8 +175,11 @@ pl_vec3f pl_media_sunlight(const pl_media *media, const pl_medium_kind *kind,
                            const pl_snapshot *shot, pl_vec3 point, const pl_sun_view *sun,
                            float width_m) {
   double left = 1.0;
-  for (size_t i = 0; i < shot->body_count && left > 0.0; i++)
-    left *= body_left(&shot->bodies[i], point, sun);
+  size_t k = 0;
+  uint32_t body;
+  while (left > 0.0 &&
+         (body = pl_sun_next_sphere(sun, &shot->body_tree, point, 0.0, &k)) != PL_NO_ITEM)
+    left *= body_left(&shot->bodies[body], point, sun);
   if (!(left > 0.0))
     return (pl_vec3f){0.0f, 0.0f, 0.0f};
   pl_vec3f out = toward_sun_but(media, kind, shot, point, sun, width_m);

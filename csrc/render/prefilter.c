@@ -21,38 +21,23 @@ static const double HORIZON_ROUNDING = 1e-5;
  * where air, relief or water vary faster than plain ground. */
 static const float COSINE_MIN = 0.15f, ARC_MAX_RAD = 0.03f, ARC_MAX_VARIED_RAD = 0.01f;
 
-/* Whether a sphere, enlarged by `margin_m`, covers part of the sun's disc as seen from a point: the
- * angle to its centre is less than the sum of both angular radii. Compares sines and cosines of
- * that sum, because the cosine alone has too few digits for a distant sun. */
-static bool overlaps_sun(pl_vec3 center, double radius_m, double margin_m, pl_vec3 point,
-                         const pl_sun_view *sun) {
-  const pl_vec3 to_center = pl_vec3_sub(center, point);
-  const double reach = radius_m + margin_m;
-  const double besides2 = pl_vec3_dot(to_center, to_center) - reach * reach;
-  if (!(besides2 > 0.0))
-    return true;
-  const pl_vec3 toward = pl_vec3f_to_double(sun->direction);
-  const pl_vec3 across = pl_vec3_cross(to_center, toward);
-  const double besides = sqrt(besides2), sine = sun->sin_radius, cosine = 1.0 - sun->one_minus_cos;
-  /* maximum distance of the sphere's centre from the line to the sun's centre */
-  const double most = reach * cosine + besides * sine;
-  const bool ahead = pl_vec3_dot(to_center, toward) > 0.0;
-  const bool less = pl_vec3_dot(across, across) < most * most;
-  return besides * cosine > reach * sine ? ahead && less : ahead || !less;
+/* Whether one of the spheres of a tree, except that of an item, may hide a part of the sun. */
+static bool any_before_sun(const pl_sphere_tree *tree, uint32_t but, const pl_vertex *vertex,
+                           const pl_sun_view *sun, double margin_m) {
+  size_t k = 0;
+  uint32_t item;
+  while ((item = pl_sun_next_sphere(sun, tree, vertex->position, margin_m, &k)) != PL_NO_ITEM)
+    if (item != but)
+      return true;
+  return false;
 }
 
 /* Whether the point of a body may be in or near a shadow. */
 static bool near_shadow(const pl_snapshot *shot, const pl_vertex *vertex, const pl_sun_view *sun,
                         double margin_m) {
-  const pl_vec3 p = vertex->position;
-  for (size_t i = 0; i < shot->object_count; i++)
-    if (overlaps_sun(shot->objects[i].center, shot->objects[i].radius_m, margin_m, p, sun))
-      return true;
-  for (size_t i = 0; i < shot->body_count; i++)
-    if (!pl_surface_same(vertex->surface_id, pl_surface_of_body(i)) &&
-        overlaps_sun(shot->bodies[i].center, shot->bodies[i].radius_m, margin_m, p, sun))
-      return true;
-  return false;
+  const uint32_t own = pl_surface_index(vertex->surface_id);
+  return any_before_sun(&shot->object_tree, PL_NO_ITEM, vertex, sun, margin_m) ||
+         any_before_sun(&shot->body_tree, own, vertex, sun, margin_m);
 }
 
 /* Whether a volume may shadow a part of the pixel. */
@@ -60,8 +45,8 @@ static bool near_volume(const pl_path_context *context, const pl_vertex *vertex,
                         const pl_sun_view *sun, double margin_m) {
   const pl_snapshot *shot = context->shot;
   for (size_t i = 0; context->settings->media != NULL && i < shot->volume_count; i++)
-    if (overlaps_sun(shot->volumes[i].center, shot->volumes[i].radius_m, margin_m, vertex->position,
-                     sun))
+    if (pl_sun_behind_sphere(sun, vertex->position, shot->volumes[i].center,
+                             shot->volumes[i].radius_m + margin_m))
       return true;
   return false;
 }

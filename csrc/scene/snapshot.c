@@ -201,6 +201,19 @@ static pl_status place_bodies(const pl_scene *scene, const pl_placement *placeme
   return PL_OK;
 }
 
+static pl_status index_spheres(pl_arena *arena, pl_snapshot *out) {
+  const size_t most = out->object_count > out->body_count ? out->object_count : out->body_count;
+  pl_sphere *leaves = pl_arena_alloc(arena, most, sizeof *leaves);
+  if (leaves == NULL)
+    return pl_fail(PL_E_MEMORY, "out of memory for the snapshot");
+  for (size_t i = 0; i < out->object_count; i++)
+    leaves[i] = (pl_sphere){.center = out->objects[i].center, .radius_m = out->objects[i].radius_m};
+  PL_TRY(pl_sphere_tree_build(arena, leaves, out->object_count, &out->object_tree));
+  for (size_t i = 0; i < out->body_count; i++)
+    leaves[i] = (pl_sphere){.center = out->bodies[i].center, .radius_m = out->bodies[i].radius_m};
+  return pl_sphere_tree_build(arena, leaves, out->body_count, &out->body_tree);
+}
+
 pl_status pl_snapshot_build(const pl_scene *scene, const pl_placement *placement, pl_arena *arena,
                             pl_snapshot *out) {
   const pl_pose camera = pl_motion_middle(&placement->camera.motion);
@@ -227,5 +240,6 @@ pl_status pl_snapshot_build(const pl_scene *scene, const pl_placement *placement
   out->sun.in_frame = pl_snapshot_sees(out, out->sun.position, out->sun.radius_m, axis, half_angle);
   PL_TRY(place_objects(scene, placement, arena, axis, half_angle, out));
   PL_TRY(place_bodies(scene, placement, arena, axis, half_angle, out));
+  PL_TRY(index_spheres(arena, out));
   return pl_volumes_place(placement, arena, axis, half_angle, out);
 }

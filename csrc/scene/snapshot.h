@@ -6,6 +6,7 @@
 #include <stdbool.h>
 
 #include "base/memory.h"
+#include "geom/sphere_tree.h"
 #include "plan/view.h"
 #include "scene/scene.h"
 #include "scene/senders.h"
@@ -117,6 +118,9 @@ typedef struct pl_snapshot {
   size_t object_count;
   const pl_shot_body *bodies;
   size_t body_count;
+  /* Of the bounding spheres of all objects, and of all bodies (radius_m), to find those on a line.
+   */
+  pl_sphere_tree object_tree, body_tree;
   const pl_shot_volume *volumes;
   size_t volume_count;
   pl_shot_sun sun;

@@ -1,8 +1,6 @@
 /* Builds Embree scenes of models and places instances of them. */
 #include "trace/accelerator.h"
 
-#include <stdlib.h>
-
 #include "base/memory.h"
 #include "scene/graph_point.h"
 #include "terrain/height_field.h"
@@ -216,92 +214,6 @@ pl_status pl_accelerator_place(pl_accelerators *kept, const pl_shot_object *obje
   return PL_OK;
 }
 
-/* --- tree of bounding spheres ----------------------------------------------------------------- */
-
-/* At most this many spheres are tested one by one: a common bounding sphere would be one test more.
- */
-enum { SPHERES_IN_LINE = 4 };
-
-/* Returns a sphere about the centre of the bounding box of several spheres that encloses them all
- * with their radii. */
-static pl_sphere sphere_about(const pl_sphere *spheres, size_t count) {
-  pl_vec3 low = {INFINITY, INFINITY, INFINITY}, high = {-INFINITY, -INFINITY, -INFINITY};
-  for (size_t i = 0; i < count; i++) {
-    const pl_vec3 c = spheres[i].center;
-    const double r = spheres[i].radius_m;
-    low = (pl_vec3){fmin(low.x, c.x - r), fmin(low.y, c.y - r), fmin(low.z, c.z - r)};
-    high = (pl_vec3){fmax(high.x, c.x + r), fmax(high.y, c.y + r), fmax(high.z, c.z + r)};
-  }
-  pl_sphere out = {.center = pl_vec3_scale(pl_vec3_add(low, high), 0.5), .instance = PL_INNER_NODE};
-  for (size_t i = 0; i < count; i++) {
-    const double away = pl_vec3_norm(pl_vec3_sub(spheres[i].center, out.center));
-    out.radius_m = fmax(out.radius_m, away + spheres[i].radius_m);
-  }
-  out.radius_m *= 1.0 + 1e-9;
-  return out;
-}
-
-static int order(double a, double b, const pl_sphere *x, const pl_sphere *y) {
-  if (a < b || a > b)
-    return a < b ? -1 : 1;
-  return x->instance < y->instance ? -1 : x->instance > y->instance;
-}
-
-static int by_x(const void *a, const void *b) {
-  const pl_sphere *s = a, *t = b;
-  return order(s->center.x, t->center.x, s, t);
-}
-
-static int by_y(const void *a, const void *b) {
-  const pl_sphere *s = a, *t = b;
-  return order(s->center.y, t->center.y, s, t);
-}
-
-static int by_z(const void *a, const void *b) {
-  const pl_sphere *s = a, *t = b;
-  return order(s->center.z, t->center.z, s, t);
-}
-
-/* Sorts along the axis on which the centres span the widest range. */
-static void sort_spheres(pl_sphere *spheres, size_t count) {
-  pl_vec3 low = spheres[0].center, high = low;
-  for (size_t i = 1; i < count; i++) {
-    const pl_vec3 c = spheres[i].center;
-    low = (pl_vec3){fmin(low.x, c.x), fmin(low.y, c.y), fmin(low.z, c.z)};
-    high = (pl_vec3){fmax(high.x, c.x), fmax(high.y, c.y), fmax(high.z, c.z)};
-  }
-  const pl_vec3 wide = pl_vec3_sub(high, low);
-  const bool on_x = wide.x >= wide.y && wide.x >= wide.z;
-  qsort(spheres, count, sizeof *spheres, on_x ? by_x : wide.y >= wide.z ? by_y : by_z);
-}
-
-/* Appends the tree over some spheres to the tracer's array; sorts the spheres on the way. */
-static void add_tree(pl_tracer *tracer, pl_sphere *spheres, size_t count) {
-  const size_t own = tracer->sphere_count;
-  if (count <= SPHERES_IN_LINE) {
-    for (size_t i = 0; i < count; i++) {
-      pl_sphere *leaf = &tracer->spheres[tracer->sphere_count++];
-      *leaf = spheres[i];
-      leaf->after = (uint32_t)tracer->sphere_count;
-    }
-    return;
-  }
-  tracer->spheres[tracer->sphere_count++] = sphere_about(spheres, count);
-  sort_spheres(spheres, count);
-  add_tree(tracer, spheres, count / 2);
-  add_tree(tracer, spheres + count / 2, count - count / 2);
-  tracer->spheres[own].after = (uint32_t)tracer->sphere_count;
-}
-
-/* leaves: room for one sphere per instance. */
-static void build_tree(pl_sphere *leaves, pl_tracer *tracer) {
-  for (size_t i = 0; i < tracer->instance_count; i++)
-    leaves[i] = (pl_sphere){.center = tracer->instances[i].center,
-                            .radius_m = tracer->instances[i].radius_m,
-                            .instance = (uint32_t)i};
-  add_tree(tracer, leaves, tracer->instance_count);
-}
-
 /* Rays in the axes of the body, relative to the origin of the field. */
 static void place_field(const pl_shot_body *body, size_t index, pl_instance *out) {
   const pl_vec3 origin =
@@ -384,13 +296,14 @@ pl_status pl_tracer_build(pl_accelerators *kept, const pl_snapshot *shot,
       most += kinds->of[k]->count(shot, (pl_surface_kind)k);
   pl_tracer *tracer = pl_arena_alloc(arena, 1, sizeof *tracer);
   pl_instance *instances = pl_arena_alloc(arena, most, sizeof *instances);
-  /* A tree has fewer inner nodes than leaves; the leaves are sorted in the room behind it. */
-  pl_sphere *spheres = pl_arena_alloc(arena, 3 * most, sizeof *spheres);
-  if (tracer == NULL || instances == NULL || spheres == NULL)
+  pl_sphere *leaves = pl_arena_alloc(arena, most, sizeof *leaves);
+  if (tracer == NULL || instances == NULL || leaves == NULL)
     return pl_fail(PL_E_MEMORY, "out of memory for instances");
-  *tracer = (pl_tracer){.instances = instances, .spheres = spheres, .snapshot = shot};
+  *tracer = (pl_tracer){.instances = instances, .snapshot = shot};
   PL_TRY(place_kinds(kept, kinds, tracer));
-  build_tree(spheres + 2 * most, tracer);
+  for (size_t i = 0; i < tracer->instance_count; i++)
+    leaves[i] = (pl_sphere){.center = instances[i].center, .radius_m = instances[i].radius_m};
+  PL_TRY(pl_sphere_tree_build(arena, leaves, tracer->instance_count, &tracer->tree));
   *out = tracer;
   return PL_OK;
 }

@@ -2,6 +2,7 @@
 #ifndef PL_TRACE_ACCELERATOR_H
 #define PL_TRACE_ACCELERATOR_H
 
+#include "geom/sphere_tree.h"
 #include "trace/instance.h"
 #include "trace/intersect.h"
 
@@ -11,15 +12,6 @@ typedef struct pl_model_accelerator {
   uint8_t *coincident;   /* owned; see trace/coincident.h */
   bool one_way;          /* some of its back faces do not exist for rays */
 } pl_model_accelerator;
-
-#define PL_INNER_NODE UINT32_MAX
-/* Bounding sphere of one instance, or of all spheres from the next up to `after`. */
-typedef struct pl_sphere {
-  pl_vec3 center; /* camera-relative, m */
-  double radius_m;
-  uint32_t after;    /* index of the first sphere behind its subtree */
-  uint32_t instance; /* PL_INNER_NODE for an inner node */
-} pl_sphere;
 
 typedef struct pl_ground_tiles pl_ground_tiles;
 
@@ -33,8 +25,7 @@ struct pl_accelerators {
 struct pl_tracer {
   pl_instance *instances; /* the instances of the snapshot that are present */
   size_t instance_count;
-  pl_sphere *spheres; /* tree in depth-first order: each sphere is followed by its subtree */
-  size_t sphere_count;
+  pl_sphere_tree tree;                          /* of their bounding spheres */
   const pl_intersect *closed[PL_SURFACE_KINDS]; /* kinds with a closed form */
   size_t closed_count;
   const pl_snapshot *snapshot; /* borrowed */

@@ -1,5 +1,6 @@
-/* Rays at the few smooth bodies. */
+/* Rays at smooth bodies. */
 #include "geom/ellipsoid.h"
+#include "trace/instance.h"
 #include "trace/intersect.h"
 
 /* Returns the distance to a body, or infinity. Its bounding sphere is tested first, with a margin
@@ -19,15 +20,32 @@ static double body_distance(const pl_shot_body *body, const pl_ray *ray) {
                                                                                       : INFINITY;
 }
 
+uint32_t pl_next_body(const pl_snapshot *shot, const pl_ray *ray, double limit_m, size_t *k) {
+  const pl_sphere_tree *tree = &shot->body_tree;
+  double start_m;
+  while (*k < tree->count) {
+    const pl_sphere *sphere = &tree->nodes[*k];
+    const bool inner = sphere->item == PL_INNER_NODE;
+    const bool entered =
+        inner && pl_ray_enter(ray, limit_m, sphere->center, sphere->radius_m, &start_m);
+    *k = pl_sphere_next(tree, *k, entered);
+    if (!inner && sphere->item != ray->skip_body)
+      return sphere->item;
+  }
+  return PL_NO_BODY;
+}
+
+static double limit_of(const pl_ray *ray, const pl_hit *hit) {
+  return !pl_surface_is_none(hit->surface_id) ? hit->t : ray->t_max;
+}
+
 static void closest_of(const pl_snapshot *shot, const pl_ray *ray, pl_hit *hit) {
+  size_t k = 0;
   if (ray->skip_body == PL_EVERY_BODY)
     return;
-  for (size_t b = 0; b < shot->body_count; b++) {
-    if (ray->skip_body == b)
-      continue;
+  for (uint32_t b; (b = pl_next_body(shot, ray, limit_of(ray, hit), &k)) != PL_NO_BODY;) {
     const double t = body_distance(&shot->bodies[b], ray);
-    const double limit = !pl_surface_is_none(hit->surface_id) ? hit->t : ray->t_max;
-    if (t < limit)
+    if (t < limit_of(ray, hit))
       *hit = (pl_hit){.surface_id = pl_surface_of_body(b), .t = t};
   }
 }
@@ -38,10 +56,11 @@ static void closest(const pl_snapshot *shot, const pl_ray *rays, pl_hit *hits, s
 }
 
 static bool is_occluded(const pl_snapshot *shot, const pl_ray *ray) {
+  size_t k = 0;
   if (ray->skip_body == PL_EVERY_BODY)
     return false;
-  for (size_t b = 0; b < shot->body_count; b++)
-    if (ray->skip_body != b && body_distance(&shot->bodies[b], ray) < ray->t_max)
+  for (uint32_t b; (b = pl_next_body(shot, ray, ray->t_max, &k)) != PL_NO_BODY;)
+    if (body_distance(&shot->bodies[b], ray) < ray->t_max)
       return true;
   return false;
 }

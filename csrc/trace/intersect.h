@@ -21,6 +21,10 @@ struct pl_intersect {
   void (*occluded)(const pl_snapshot *shot, const pl_ray *rays, bool *occluded, size_t count);
 };
 
+/* Returns the next body, from node *k of the snapshot's tree of bodies on, that a ray may meet
+ * before a limit and does not skip; PL_NO_BODY after the last. */
+uint32_t pl_next_body(const pl_snapshot *shot, const pl_ray *ray, double limit_m, size_t *k);
+
 /* Meshes and shapes of bodies. */
 extern const pl_intersect pl_intersect_objects;
 /* Terrain; its rocks are in the same scenes. */

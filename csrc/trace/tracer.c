@@ -217,12 +217,12 @@ static void closest_packet_in(const pl_tracer *tracer, const pl_instance *instan
  * or NULL. */
 static const pl_instance *next_of_packet(const pl_tracer *tracer, const pl_packet *packet,
                                          size_t *k, pl_entry *entry) {
-  while (*k < tracer->sphere_count) {
-    const pl_sphere *sphere = &tracer->spheres[*k];
+  while (*k < tracer->tree.count) {
+    const pl_sphere *sphere = &tracer->tree.nodes[*k];
     const bool entered = pl_packet_enter(packet, sphere->center, sphere->radius_m, entry);
-    *k = entered ? *k + 1 : sphere->after;
-    if (entered && sphere->instance != PL_INNER_NODE)
-      return &tracer->instances[sphere->instance];
+    *k = pl_sphere_next(&tracer->tree, *k, entered);
+    if (entered && sphere->item != PL_INNER_NODE)
+      return &tracer->instances[sphere->item];
   }
   return NULL;
 }
@@ -240,12 +240,12 @@ static void closest_packet(const pl_tracer *tracer, const pl_ray *rays, pl_hit *
 /* The same for one ray, up to a limit. */
 static const pl_instance *next_of_ray(const pl_tracer *tracer, const pl_ray *ray, double limit_m,
                                       size_t *k, double *start_m) {
-  while (*k < tracer->sphere_count) {
-    const pl_sphere *sphere = &tracer->spheres[*k];
+  while (*k < tracer->tree.count) {
+    const pl_sphere *sphere = &tracer->tree.nodes[*k];
     const bool entered = pl_ray_enter(ray, limit_m, sphere->center, sphere->radius_m, start_m);
-    *k = entered ? *k + 1 : sphere->after;
-    if (entered && sphere->instance != PL_INNER_NODE)
-      return &tracer->instances[sphere->instance];
+    *k = pl_sphere_next(&tracer->tree, *k, entered);
+    if (entered && sphere->item != PL_INNER_NODE)
+      return &tracer->instances[sphere->item];
   }
   return NULL;
 }

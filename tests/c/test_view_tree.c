@@ -128,10 +128,52 @@ static void test_work_grows_with_the_number(void **state) {
   pl_arena_clear(&arena);
 }
 
+/* Moons in a shell about a planet, which lights them all: most of a sum is one source's. */
+static void test_moons_are_summed_in_groups(void **state) {
+  (void)state;
+  static pl_view_thing things[MOST];
+  test_random random = {.seed = 64};
+  size_t sources[2] = {0, 0};
+  pl_arena arena;
+  pl_arena_init(&arena);
+  print_message("seed 64\n");
+  for (int k = 0; k < 2; k++) {
+    const size_t count = k == 0 ? 100 : 1600;
+    pl_view view = many_things(&random, things, count), pairs;
+    double over = 0.0;
+    size_t calls = 0;
+    for (size_t i = 0; i < count; i++) {
+      double square = 0.0;
+      things[i].is_body = things[i].is_world = true;
+      things[i].radius_m = i == count / 2 ? 6.4e6 : 1e5;
+      for (int axis = 0; axis < 3; axis++) {
+        things[i].center_m[axis] = i == count / 2 ? 0.0 : random_range(&random, -1.0, 1.0);
+        square += things[i].center_m[axis] * things[i].center_m[axis];
+      }
+      for (int axis = 0; axis < 3 && square > 0.0; axis++)
+        things[i].center_m[axis] *= 3e8 / sqrt(square);
+    }
+    pairs = view;
+    assert_int_equal(pl_view_tree_build(&arena, &view), PL_OK);
+    pl_view_weigh(&view, light_of, &calls);
+    for (size_t i = 0; i < count; i++) {
+      const double exact = pl_view_sum(&pairs, &things[i], light_of, &calls);
+      const double bound = pl_view_sum(&view, &things[i], light_of, &sources[k]);
+      assert_true(bound >= exact * (1.0 - 1e-12));
+      over += bound / exact / (double)count;
+    }
+    print_message("%zu moons: %.3f of the sum, %zu sources\n", count, over, sources[k]);
+    assert_true(over < 1.5);
+  }
+  assert_true(sources[1] < 40 * sources[0]);
+  pl_arena_clear(&arena);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_sums_are_bounds),
       cmocka_unit_test(test_shadows_are_the_same),
+      cmocka_unit_test(test_moons_are_summed_in_groups),
       cmocka_unit_test(test_work_grows_with_the_number),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
