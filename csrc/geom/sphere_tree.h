@@ -14,7 +14,7 @@
 #define PL_INNER_NODE UINT32_MAX
 #define PL_NO_ITEM UINT32_MAX /* from searches of the tree, after the last */
 
-/* Sphere of one thing, or a sphere about all spheres from the next up to `after`. */
+/* Sphere of one thing, or a sphere about those of all things from the next node up to `after`. */
 typedef struct pl_sphere {
   pl_vec3 center;
   double radius_m;
