@@ -169,12 +169,9 @@ static pl_status survey_frame(pl_renderer *renderer, const pl_frame_request *req
   return PL_OK;
 }
 
-/* Makes the plan. `metered`: automatic exposures are measured; they are not when only labels are
- * requested, which no effect changes. `sensor`: set to the request's with its exposure time, if
- * `developed`. */
-static pl_status plan_frame(pl_renderer *renderer, const pl_frame_request *request, bool metered,
-                            bool developed, pl_survey *survey, pl_sensor *sensor,
-                            pl_frame_result *result) {
+pl_status pl_frame_plan(pl_renderer *renderer, const pl_frame_request *request, bool metered,
+                        bool developed, pl_survey *survey, pl_sensor *sensor,
+                        pl_frame_result *result) {
   pl_view *view = &survey->view;
   double start = now_s();
   *result = (pl_frame_result){0};
@@ -204,7 +201,7 @@ pl_status pl_renderer_plan(pl_renderer *renderer, const pl_frame_request *reques
                            pl_frame_result *result) {
   pl_survey survey;
   pl_sensor sensor;
-  return plan_frame(renderer, request, true, true, &survey, &sensor, result);
+  return pl_frame_plan(renderer, request, true, true, &survey, &sensor, result);
 }
 
 static pl_status allocate_bands(pl_renderer *renderer, const pl_camera *camera, pl_vec3f **out) {
@@ -259,7 +256,7 @@ pl_status pl_renderer_frame(pl_renderer *renderer, const pl_frame_request *reque
   pl_sensor sensor;
   const pl_instant *instant;
   const bool develop = pl_frame_wants_sensor(request), colour = wants_colour(request);
-  PL_TRY(plan_frame(renderer, request, colour, develop, &survey, &sensor, result));
+  PL_TRY(pl_frame_plan(renderer, request, colour, develop, &survey, &sensor, result));
   double start = now_s();
   const pl_choice choice = pl_choice_of_plan(request, result, colour);
   PL_TRY(pl_realise(renderer->accelerators, &survey, &choice, &renderer->arena, &instant));

@@ -19,6 +19,13 @@ struct pl_renderer {
   pl_encoder encoder;
 };
 
+/* Makes the plan. `metered`: automatic exposures are measured; they are not when only labels are
+ * requested, which no effect changes. `sensor`: set to the request's with its exposure time, if
+ * `developed`. */
+pl_status pl_frame_plan(pl_renderer *renderer, const pl_frame_request *request, bool metered,
+                        bool developed, pl_survey *survey, pl_sensor *sensor,
+                        pl_frame_result *result);
+
 /* First step from an instant to pixels: prepares the light of the sky, i.e. of sub-pixel bodies (if
  * `subpixel`) and of the stars that the plan keeps and nothing hides. Allocated in `arena`; `sky`
  * belongs to the instant's survey. */

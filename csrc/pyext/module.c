@@ -180,6 +180,7 @@ static int execute(PyObject *module) {
       add(module, "RIM_IMAGE", pl_py_rim_record()) < 0 ||
       add(module, "CRATER_LAWS", named_rows(PL_CRATER_LAWS, crater_law_name, crater_law_doc)) < 0 ||
       add(module, "RAY_SOURCES", pl_py_ray_sources()) < 0 ||
+      add(module, "EVENT", pl_py_event()) < 0 ||
       add(module, "LIDAR_RETURN", pl_py_lidar_return()) < 0 ||
       add(module, "TIME_OF_FLIGHT_PIXEL", pl_py_time_of_flight_pixel()) < 0 ||
       add(module, "ROCK", pl_py_rock_record()) < 0 ||

@@ -22,7 +22,8 @@ PyObject *pl_py_ray_sources(void);
 PyObject *pl_py_source_extent(PyObject *module, PyObject *spec);
 PyObject *pl_py_source_rays(PyObject *module, PyObject *spec);
 
-/* LIDAR_RETURN and TIME_OF_FLIGHT_PIXEL, as documented in the stub. */
+/* EVENT, LIDAR_RETURN and TIME_OF_FLIGHT_PIXEL, as documented in the stub. */
+PyObject *pl_py_event(void);
 PyObject *pl_py_lidar_return(void);
 PyObject *pl_py_time_of_flight_pixel(void);
 

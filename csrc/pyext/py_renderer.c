@@ -272,6 +272,8 @@ static PyMethodDef renderer_methods[] = {
     {"time_of_flight", (PyCFunction)(void (*)(void))pl_py_renderer_time_of_flight,
      METH_VARARGS | METH_KEYWORDS,
      "A picture of a time-of-flight camera: an array of TIME_OF_FLIGHT_PIXEL."},
+    {"events", (PyCFunction)(void (*)(void))pl_py_renderer_events, METH_VARARGS | METH_KEYWORDS,
+     "Events of an event camera in a time: an array of EVENT, and the number of pictures."},
     {NULL, NULL, 0, NULL},
 };
 

@@ -18,7 +18,6 @@ typedef enum pl_draw {
   PL_DRAW_LIDAR,
   PL_DRAW_TAP,
   PL_DRAW_THRESHOLD,
-  PL_DRAW_LEAK,
   PL_DRAW_EVENT,
 } pl_draw;
 

@@ -60,6 +60,9 @@ from perilune._core_records import (
     Socket as Socket,
 )
 from perilune._core_scan import (
+    EVENT as EVENT,
+)
+from perilune._core_scan import (
     LIDAR_RETURN as LIDAR_RETURN,
 )
 from perilune._core_scan import (
@@ -451,6 +454,12 @@ class Renderer:
         """Pixels of a time-of-flight camera, row by row: an array of TIME_OF_FLIGHT_PIXEL. source:
         of kind "pixels". camera: {"modulation_hz": (1..4,) whole numbers, "signal_e", "ambient_e",
         "read_e", "contrast", "full_well_e", "least_e"}."""
+    def events(
+        self, request: FrameRequest, camera: Mapping[str, float], threads: int = 1
+    ) -> tuple[NDArray[Any], int]:
+        """Events (n,) of EVENT in the request's exposure, and how many pictures were made. camera:
+        {"on", "off", "mismatch", "dark", "refractory_s", "leak_hz", "noise_hz", "tolerance",
+        "share", "instants", "halvings"}."""
     def measure_rays(
         self, request: FrameRequest, repeats: int, /) -> dict[str, tuple[int, float, float]]:
         """For benchmarks: "primary" and "shadow" rays of a frame -> (rays, seconds in the tracer,

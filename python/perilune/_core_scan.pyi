@@ -13,6 +13,9 @@ RAY_SOURCES: tuple[dict[str, Any], ...]
 {"name", "doc", "low", "high", "whole"}}. A source is a mapping of "kind", its values and list by
 name, "sub_rays" (1..256 rays of a beam), "divergence_rad" (full angle of a beam) and "aperture_m"."""
 
+EVENT: Sequence[tuple[Any, ...]]
+"""dtype of Renderer.events' records."""
+
 LIDAR_RETURN: Sequence[tuple[Any, ...]]
 """dtype of Renderer.lidar's records."""
 

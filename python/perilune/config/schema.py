@@ -26,6 +26,7 @@ from perilune.config.body import Body
 from perilune.config.camera import Camera
 from perilune.config.ephemeris import Ephemeris
 from perilune.config.errors import fail, nearest
+from perilune.config.events import Events
 from perilune.config.faces import DEFAULT, Faces
 from perilune.config.labels import ClassPatterns, EntryClasses, Labels
 from perilune.config.lidar import Lidar
@@ -497,6 +498,8 @@ class Config(Strict):
     on."""
     time_of_flight: TimeOfFlight | None = None
     """What `Simulation.time_of_flight` takes pictures with."""
+    events: Events | None = None
+    """What `Simulation.events` records with."""
     render: Render = Render.of_defaults()
     labels: Labels = Labels.of_defaults()
     drivers: Drivers = Drivers.of_defaults()

@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perilune import _core
-from perilune.base import arguments
+from perilune.base import arguments, rotations
 from perilune.base.processors import default_threads
 from perilune.camera import trajectories
+from perilune.camera.imaging import intrinsics
 from perilune.config import Config
 from perilune.config.errors import nearest
 from perilune.config.sensors import Transformation
@@ -19,6 +20,7 @@ from perilune.document import Document
 from perilune.frame import scans
 from perilune.frame.handles import Handles
 from perilune.frame.placing import placed
+from perilune.frame.remarks import Remarks
 from perilune.world import World
 
 Array = NDArray[Any]
@@ -33,6 +35,7 @@ class Simulated(Protocol):
 
     _document: Document
     _trajectory: Callable[[World], Any] | None
+    _remarks: Remarks
 
     @property
     def config(self) -> Config: ...
@@ -41,6 +44,8 @@ class Simulated(Protocol):
     def frame(self, index: int, channels: Sequence[str] | None, threads: int | None) -> Any: ...
     def _mine(self) -> Handles: ...
     def _request(self, scene: World) -> _core.FrameRequest: ...
+    def _camera_poses(self, scene: World) -> F64: ...
+    def _tell_of_jump(self, world: World, step: int) -> None: ...
 
 
 def _threads(given: int | None) -> int:
@@ -168,3 +173,44 @@ class RangeSensors:
             )
         size = world.camera.height, world.camera.width
         return pixels.view(scans.flight_dtype()).reshape(size)
+
+    def events(self: Simulated, index: int, threads: int | None = None) -> Array:
+        """What an event camera records from a frame on until the next one of the same camera: a
+        structured array in the order of time.
+
+        Fields: t_us after the frame's shutter opens, x, y, polarity (1: brighter, -1: darker). At
+        the start all pixels are at rest. What moves goes on as in frame `index`; a warning tells
+        where the next frame does not go on from there."""
+        world = self.world(index)
+        camera = world.config.events
+        if camera is None:
+            raise ValueError("events: the configuration has no such section")
+        interval = (
+            1 if world.sensor is None else world.config.sensors[world.sensor].trigger_interval
+        )
+        window_s = interval * world.config.time.step_s
+        later = scans.during(world, world.camera, window_s)
+        request, handles = self._request(later), self._mine()
+        self._tell_of_jump(later, world.step + interval)
+        with handles.lock:
+            renderer = handles.renderer_of(later.config)
+            found, _ = renderer.events(request, scans.events_of(camera), _threads(threads))
+        return found.view(scans.event_dtype())
+
+    def _tell_of_jump(self: Simulated, world: World, step: int) -> None:
+        """Warns where the camera of the next frame is not where this one's goes."""
+        if step // world.config.time.frames_per_scene != world.scene:
+            return
+        timeline = self.config.timeline
+        there = self._camera_poses(self.world(timeline.index_of(step, world.sensor)))[0]
+        here = self._camera_poses(world)[1]
+        _, angle = rotations.to_axis_angle(
+            rotations.multiply(rotations.conjugate(here[3:]), there[3:])
+        )
+        pixels = float(intrinsics(world.camera)[0, 0]) * angle
+        if pixels > 1.0:
+            self._remarks.tell_of_key(
+                f"{self._document.source}: camera.trajectory",
+                f"frame {world.index + 1} does not go on where frame {world.index} goes: it turns"
+                f" by {pixels:.3g} pixels at once, of which no events tell",
+            )

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from perilune import _core
 from perilune.config.camera import Camera
 from perilune.config.errors import nearest
+from perilune.config.events import Events
 from perilune.config.lidar import BANDS, Flash, Lidar, Lissajous, Pattern, Raster, Rosette
 from perilune.config.schema import Config
 from perilune.config.time_of_flight import TimeOfFlight
@@ -135,6 +136,23 @@ def flight_of(camera: TimeOfFlight) -> dict[str, Any]:
     }
 
 
+def events_of(camera: Events) -> dict[str, Any]:
+    """What the core needs of an event camera."""
+    return {
+        "on": camera.on_threshold,
+        "off": camera.off_threshold,
+        "mismatch": camera.mismatch,
+        "dark": camera.dark_radiance_w_m2_sr,
+        "refractory_s": 1e-6 * camera.refractory_us,
+        "leak_hz": camera.leak_hz,
+        "noise_hz": camera.noise_hz,
+        "tolerance": camera.tolerance,
+        "share": camera.tolerated_pixels,
+        "instants": camera.instants,
+        "halvings": camera.max_halvings,
+    }
+
+
 def band_of(name: str) -> int:
     """Index of a colour."""
     return BANDS.index(name)
@@ -179,6 +197,11 @@ def lidar_dtype(levels: int) -> np.dtype[Any]:
 def flight_dtype() -> np.dtype[Any]:
     """dtype of the pixels of a time-of-flight camera."""
     return _layout(_core.TIME_OF_FLIGHT_PIXEL, None)
+
+
+def event_dtype() -> np.dtype[Any]:
+    """dtype of events."""
+    return _layout(_core.EVENT, None)
 
 
 POINT_CHANNELS = ("range", "position", "normal", "semantic", "part", "instance")
