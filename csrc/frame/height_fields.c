@@ -67,12 +67,13 @@ static pl_status place(pl_accelerators *kept, const pl_snapshot *shot, const pl_
                        pl_arena *arena, pl_shot_body *body) {
   if (!body->has_terrain)
     return PL_OK;
-  if (!choice->terrain) {
+  if (choice->terrain_levels == 0) {
     body->has_terrain = false;
     body->outer_m = body->radius_m;
     return pl_shot_check_outside(body);
   }
   pl_ground_tile_view view = view_of(shot, body, &choice->looks);
+  view.finest_level = choice->terrain_levels;
   view.far_casters = choice->far_casters;
   view.rays = choice->albedo || (choice->colour && choice->settings.detail.rays);
   return pl_height_field_build(kept, body->body->terrain, &view, choice->threads, choice->cancel,

@@ -6,6 +6,7 @@
 #include "frame/effects.h"
 #include "plan/effects.h"
 #include "render/geometry.h"
+#include "terrain/cube.h"
 
 /* --- choices ---------------------------------------------------------------------------------- */
 
@@ -44,6 +45,14 @@ static pl_render_settings settings_of(const pl_frame_request *request,
   };
 }
 
+/* Where the plan leaves no level out, meshes are as fine as each instant of the exposure asks. */
+static int terrain_levels(const pl_plan *plan) {
+  const pl_plan_row *row = pl_plan_row_of(plan, &pl_effect_terrain);
+  if (row == NULL || row->value == 0)
+    return 0;
+  return row->residual_dn > 0.0 ? row->value : PL_CUBE_LEVELS;
+}
+
 pl_choice pl_choice_of_labels(const pl_choice *frame) {
   pl_choice labels = *frame;
   labels.colour = false;
@@ -62,7 +71,7 @@ pl_choice pl_choice_of_plan(const pl_frame_request *request, const pl_frame_resu
       .tolerance_dn = request->wish.tolerance_dn,
       .distortion = pl_plan_value(plan, &pl_effect_distortion) > 0,
       .depth_of_field = pl_plan_value(plan, &pl_effect_depth_of_field) > 0,
-      .terrain = pl_plan_value(plan, &pl_effect_terrain) > 0,
+      .terrain_levels = terrain_levels(plan),
       .far_casters = pl_plan_value(plan, &pl_effect_far_casters) > 0,
       .albedo = (pl_channels_need(request->channels) & PL_POINTS_ALBEDO) != 0,
       .colour = true,
@@ -97,7 +106,7 @@ pl_choice pl_choice_of_metering(const pl_frame_request *request, int samples) {
       .cancel = request->cancel,
       .distortion = true,
       .depth_of_field = true,
-      .terrain = true,
+      .terrain_levels = PL_CUBE_LEVELS,
       .far_casters = true,
       .colour = true,
       .emitters = QUICK_EMITTERS,

@@ -21,8 +21,9 @@ typedef struct pl_choice {
   int threads;       /* that build height fields; the result is the same for any number */
   pl_cancel *cancel; /* borrowed; may be NULL */
   bool distortion, depth_of_field;
-  pl_looks looks; /* all zero: rays are those of pixels */
-  bool terrain, far_casters;
+  pl_looks looks;     /* all zero: rays are those of pixels */
+  int terrain_levels; /* up to which meshes of terrain are refined; 0: ellipsoids */
+  bool far_casters;
   bool albedo;   /* labels show the ground's albedo */
   bool colour;   /* false: labels only, and the fields below are ignored */
   bool subpixel; /* render sub-pixel bodies in images of their own, see subpixel_bodies.h */

@@ -6,6 +6,7 @@
 #include "render/coverage_mask.h"
 #include "render/geometry.h"
 #include "render/render.h"
+#include "terrain/cube.h"
 
 typedef struct rays {
   pl_ray *items; /* in the arena */
@@ -52,7 +53,7 @@ static pl_status measure(pl_snapshot *shot, pl_accelerators *kept, pl_coverage *
   rays second = {pl_arena_alloc(arena, pixels, sizeof(pl_ray)), 0};
   if (first.items == NULL || second.items == NULL)
     return pl_fail(PL_E_MEMORY, "out of memory for rays");
-  const pl_choice choice = {.terrain = true, .far_casters = true, .threads = 1};
+  const pl_choice choice = {.terrain_levels = PL_CUBE_LEVELS, .far_casters = true, .threads = 1};
   PL_TRY(pl_height_fields_place(kept, &choice, arena, shot));
   const pl_tracer *tracer;
   PL_TRY(pl_geometry_tracer(kept, shot, arena, &tracer));

@@ -6,19 +6,24 @@
 
 bool pl_view_has(const pl_view *view, pl_view_picks picks) {
   for (size_t i = 0; i < view->thing_count; i++)
-    if (picks(&view->things[i]))
+    if (picks(&view->things[i], 0))
       return true;
   return false;
 }
 
+typedef struct change {
+  pl_view_picks picks;
+  int value;
+} change;
+
 static double picked_light(const pl_view_thing *source, const void *context) {
-  const pl_view_picks *picks = context;
-  return (*picks)(source) ? pl_view_light(source) : 0.0;
+  const change *change = context;
+  return change->picks(source, change->value) ? pl_view_light(source) : 0.0;
 }
 
 /* Upper bound of the indirect light that picked things send onto things[i]. */
-static double indirect(const pl_view *view, pl_view_picks picks, size_t i) {
-  return pl_view_sum(view, &view->things[i], picked_light, &picks) *
+static double indirect(const pl_view *view, const change *change, size_t i) {
+  return pl_view_sum(view, &view->things[i], picked_light, change) *
          pl_view_series(view, view->max_bounces);
 }
 
@@ -33,12 +38,13 @@ static double own(const pl_view *view, size_t i) {
          pl_view_series(view, view->max_bounces + 1);
 }
 
-double pl_view_changed_dn(const pl_view *view, pl_view_picks picks) {
+double pl_view_changed_dn(const pl_view *view, pl_view_picks picks, int value) {
+  const change change = {picks, value};
   double radiance = 0.0;
-  pl_view_weigh(view, picked_light, &picks);
+  pl_view_weigh(view, picked_light, &change);
   for (size_t i = 0; i < view->thing_count && radiance < view->white_radiance; i++)
     if (view->things[i].in_frame)
-      radiance =
-          fmax(radiance, indirect(view, picks, i) + (picks(&view->things[i]) ? own(view, i) : 0.0));
+      radiance = fmax(radiance, indirect(view, &change, i) +
+                                    (picks(&view->things[i], value) ? own(view, i) : 0.0));
   return pl_view_dn(view, radiance);
 }

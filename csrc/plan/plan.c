@@ -68,9 +68,14 @@ pl_status pl_plan_solve(const pl_effect *const *effects, size_t count, const pl_
   return PL_OK;
 }
 
-int pl_plan_value(const pl_plan *plan, const pl_effect *effect) {
+const pl_plan_row *pl_plan_row_of(const pl_plan *plan, const pl_effect *effect) {
   for (size_t i = 0; i < plan->count; i++)
     if (plan->rows[i].effect == effect)
-      return plan->rows[i].value;
-  return 0;
+      return &plan->rows[i];
+  return NULL;
+}
+
+int pl_plan_value(const pl_plan *plan, const pl_effect *effect) {
+  const pl_plan_row *row = pl_plan_row_of(plan, effect);
+  return row != NULL ? row->value : 0;
 }

@@ -51,7 +51,7 @@ typedef struct pl_view_thing {
   bool rays;    /* terrain with bright rays of craters */
   bool relief;  /* body whose normals are perturbed by a relief map */
   bool ocean;   /* body with open water */
-  bool terrain; /* body whose surface is a height field */
+  int terrain;  /* finest level of a height field that is its surface; 0: none */
   double lights_max; /* largest radiance of a body's night lights, W m-2 sr-1 */
   /* borrowed; used only by the rows in air/; NULL without an atmosphere */
   const struct pl_air *air;

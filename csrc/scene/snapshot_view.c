@@ -5,6 +5,7 @@
 #include "scene/volumes.h"
 #include "shade/towns.h"
 #include "shade/water.h"
+#include "terrain/ground_levels.h"
 
 double pl_shot_irradiance_max(const pl_snapshot *shot, pl_vec3 center, double radius_m) {
   const pl_vec3 to_sun = pl_vec3_sub(shot->sun.position, center);
@@ -257,8 +258,12 @@ static pl_view_thing shape_thing(const pl_snapshot *shot, const pl_shot_object *
 /* Terrain: the body's surface on a height field, which shades and lights itself as a mesh does. */
 static pl_view_thing terrain_thing(const pl_snapshot *shot, const pl_shot_body *body) {
   pl_view_thing thing = body_thing(shot, body);
+  const pl_ground_tile_view view = {.eye = body->camera,
+                                    .pixel_rad = 1.0 / fmax(shot->camera.fx, shot->camera.fy),
+                                    .cells_per_pixel = body->body->cells_per_pixel,
+                                    .finest_m = body->body->finest_cell_m};
   thing.is_body = false;
-  thing.terrain = true;
+  thing.terrain = pl_ground_levels(body->body->terrain, &view);
   thing.rays = body->body->graph == NULL && pl_terrain_ray_brightness(body->body->terrain) > 0.0;
   thing.radius_m = body->outer_m;
   thing.irradiance = pl_shot_irradiance_max(shot, body->center, body->outer_m);

@@ -2,8 +2,10 @@
 #include "plan/changed_surfaces.h"
 #include "plan/effects.h"
 
-static bool is_bumped(const pl_view_thing *thing) { return thing->bumped; }
-static bool has_relief(const pl_view_thing *thing) { return thing->relief; }
+static bool is_bumped(const pl_view_thing *thing, int value) { return value == 0 && thing->bumped; }
+static bool has_relief(const pl_view_thing *thing, int value) {
+  return value == 0 && thing->relief;
+}
 
 static double cost_ms(const pl_view *view, int value) {
   (void)value;
@@ -15,7 +17,7 @@ static const char *bump_absent(const pl_view *view) {
 }
 
 static double bump_bound_dn(const pl_view *view, int value) {
-  return value > 0 ? 0.0 : pl_view_changed_dn(view, is_bumped);
+  return pl_view_changed_dn(view, is_bumped, value);
 }
 
 const pl_effect pl_effect_bump_detail = {
@@ -32,7 +34,7 @@ static const char *relief_absent(const pl_view *view) {
 }
 
 static double relief_bound_dn(const pl_view *view, int value) {
-  return value > 0 ? 0.0 : pl_view_changed_dn(view, has_relief);
+  return pl_view_changed_dn(view, has_relief, value);
 }
 
 const pl_effect pl_effect_relief = {

@@ -94,7 +94,7 @@ static double rocks_m(const pl_terrain *terrain, const pl_rock_field *rocks, pl_
   return fmax(clear_m, 0.0);
 }
 
-double pl_ground_distance_m(const pl_terrain *terrain, pl_vec3 eye) {
+double pl_ground_clear_m(const pl_terrain *terrain, pl_vec3 eye) {
   void *memory;
   if (!(pl_vec3_norm(eye) > 0.0) ||
       pl_alloc_or_fail(1, sizeof(search), "a search for the ground", &memory) != PL_OK)
@@ -104,7 +104,12 @@ double pl_ground_distance_m(const pl_terrain *terrain, pl_vec3 eye) {
       .eye = eye, .axis = pl_vec3_unit(eye), .half_angle_rad = PL_PI, .finest_m = 1.0};
   search->need = pl_ground_tile_need_of(terrain, &view, 1.0);
   const double ground = ground_m(search);
-  const pl_rock_field *rocks = pl_terrain_rocks(terrain);
   pl_free(memory);
+  return ground;
+}
+
+double pl_ground_distance_m(const pl_terrain *terrain, pl_vec3 eye) {
+  const double ground = pl_ground_clear_m(terrain, eye);
+  const pl_rock_field *rocks = pl_terrain_rocks(terrain);
   return rocks != NULL && ground > 0.0 ? rocks_m(terrain, rocks, eye, ground) : ground;
 }

@@ -10,5 +10,7 @@
  * between. 0 in the reach of a rock, or without memory. Slopes are taken to be below 30 degrees
  * over the width of a tile, as for the choice of tiles. */
 double pl_ground_distance_m(const pl_terrain *terrain, pl_vec3 eye);
+/* The same of the ground alone, without rocks. */
+double pl_ground_clear_m(const pl_terrain *terrain, pl_vec3 eye);
 
 #endif

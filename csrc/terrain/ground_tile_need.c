@@ -121,7 +121,8 @@ pl_status pl_ground_tile_need_place(const pl_ground_tile_need *need, pl_ground_t
 static bool is_finest(const pl_ground_tile_need *need, const pl_ground_tile_node *node) {
   const double radius_m = pl_terrain_radius_m(need->terrain);
   const int lattice = node->level + 1 + PL_GROUND_TILE_SHIFT;
-  return lattice >= PL_CUBE_LEVELS - 1 || node->level >= 31 ||
+  const int most = need->view->finest_level > 0 ? need->view->finest_level : PL_CUBE_LEVELS;
+  return lattice > most || lattice >= PL_CUBE_LEVELS - 1 || node->level >= 31 ||
          pl_cube_cell_m(lattice, radius_m) < need->view->finest_m * need->factor;
 }
 

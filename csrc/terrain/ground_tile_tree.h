@@ -41,6 +41,7 @@ typedef struct pl_ground_tile_view {
   bool far_casters;        /* refine what may shade what is seen */
   pl_vec3 to_sun;          /* unit, body axes; with far_casters */
   double sun_diameter_rad; /* angular diameter of the sun; with far_casters */
+  int finest_level;        /* no lattice is finer than this level; 0: any */
   size_t limit;            /* most tiles */
   bool rays;               /* tiles need the rays of craters (terrain/ground_tile_rays.h) */
 } pl_ground_tile_view;

@@ -1,22 +1,39 @@
 /* The effect rows `terrain`, `far_casters`, `sub_cell_normals` and `crater_rays`: heights of
  * bodies, shadows from beyond the frame, slopes finer than the mesh, and bright ejecta. */
+#include <math.h>
+
 #include "plan/changed_surfaces.h"
 #include "plan/effects.h"
 
-static bool has_terrain(const pl_view_thing *thing) { return thing->terrain; }
+/* Whether the mesh of a body may be finer than a level. */
+static bool has_terrain(const pl_view_thing *thing, int level) { return thing->terrain > level; }
+static bool has_ground(const pl_view_thing *thing, int value) {
+  return value == 0 && thing->terrain > 0;
+}
 
 static const char *terrain_absent(const pl_view *view) {
   return pl_view_has(view, has_terrain) ? NULL : "no body in the scene has terrain";
 }
 
-/* Slopes and shadows can add or remove all light of the ground. */
+static int finest_level(const pl_view *view) {
+  int most = 1;
+  for (size_t i = 0; i < view->thing_count; i++)
+    most = view->things[i].terrain > most ? view->things[i].terrain : most;
+  return most;
+}
+
+/* Slopes and shadows can add or remove all light of ground that a finer mesh would show. */
+static double terrain_bound_dn(const pl_view *view, int value) {
+  return pl_view_changed_dn(view, has_terrain, value);
+}
+
 static double bound_dn(const pl_view *view, int value) {
-  return value > 0 ? 0.0 : pl_view_changed_dn(view, has_terrain);
+  return pl_view_changed_dn(view, has_ground, value);
 }
 
 static double terrain_cost_ms(const pl_view *view, int value) {
-  (void)value;
-  return 3e-4 * view->width * view->height * view->samples;
+  const int left_out = finest_level(view) - value;
+  return (1e-4 + 2e-4 * exp2(-left_out)) * view->width * view->height * view->samples;
 }
 
 static double casters_cost_ms(const pl_view *view, int value) {
@@ -26,10 +43,12 @@ static double casters_cost_ms(const pl_view *view, int value) {
 
 const pl_effect pl_effect_terrain = {
     .name = "terrain",
-    .doc = "Heights of bodies with terrain; off: their smooth ellipsoids, also in labels",
+    .doc =
+        "Heights of bodies with terrain, refined up to so many levels of halved cells; off: their "
+        "smooth ellipsoids, also in labels",
     .absent = terrain_absent,
-    .ceiling = pl_effect_ceiling_one,
-    .bound_dn = bound_dn,
+    .ceiling = finest_level,
+    .bound_dn = terrain_bound_dn,
     .cost_ms = terrain_cost_ms,
 };
 
@@ -57,7 +76,7 @@ const pl_effect pl_effect_sub_cell_normals = {
     .cost_ms = normals_cost_ms,
 };
 
-static bool has_rays(const pl_view_thing *thing) { return thing->rays; }
+static bool has_rays(const pl_view_thing *thing, int value) { return value == 0 && thing->rays; }
 
 static const char *rays_absent(const pl_view *view) {
   return pl_view_has(view, has_rays) ? NULL : "no terrain in the scene has rays of craters";
@@ -66,7 +85,7 @@ static const char *rays_absent(const pl_view *view) {
 /* No more than all light of the ground with rays: by Hapke's law it grows faster than the albedo.
  */
 static double rays_bound_dn(const pl_view *view, int value) {
-  return value > 0 ? 0.0 : pl_view_changed_dn(view, has_rays);
+  return pl_view_changed_dn(view, has_rays, value);
 }
 
 static double rays_cost_ms(const pl_view *view, int value) {

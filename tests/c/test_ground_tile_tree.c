@@ -3,6 +3,7 @@
 
 #include <string.h>
 
+#include "terrain/ground_levels.h"
 #include "terrain/ground_tile_neighbor.h"
 
 static const double DEGREE = PL_PI / 180.0, MOON_M = 1737400.0;
@@ -277,6 +278,47 @@ static void limits_are_kept(void **state) {
   pl_terrain_destroy(terrain);
 }
 
+static int finest_of(const choice *chosen) {
+  int most = 0;
+  for (size_t k = 0; k < chosen->count; k++) {
+    const int level = pl_ground_tile_lattice(chosen->ids[k]);
+    most = level > most ? level : most;
+  }
+  return most;
+}
+
+/* The levels that a plan counts bound those of the tiles, and closely where the nearest ground is
+ * in the frame; with a lower bound tiles keep it, and are the same up to there. */
+static void levels_are_bounded(void **state) {
+  (void)state;
+  static const double heights_m[] = {1.5, 60.0, 3e3, 2e5, 8e6};
+  for (int k = 0; k < PL_DRAWS(15, 5); k++) {
+    const double size_m = k % 3 == 1 ? 1e3 : MOON_M, tilt = k % 2 == 0 ? 0.0 : 70.0 * DEGREE;
+    pl_terrain *terrain = ground_rough((pl_vec3){size_m, size_m, 0.97 * size_m}, k / 5);
+    pl_ground_tile_view view =
+        ground_view(terrain, SOMEWHERE, heights_m[k % 5] * size_m / MOON_M, tilt, 128 << (k % 2));
+    view.cells_per_pixel = k % 4 == 3 ? 0.5 : 1.0;
+    view.far_casters = true;
+    view.finest_m = 1e-4;
+    choice chosen = choose(terrain, &view);
+    const int levels = pl_ground_levels(terrain, &view), finest = finest_of(&chosen);
+    assert_true(finest <= levels);
+    assert_true(tilt > 0.0 || levels <= finest + 2);
+    view.finest_level = levels;
+    const choice same = choose(terrain, &view);
+    assert_true(equal(&chosen, &same));
+    view.finest_level = finest - 3;
+    const choice coarse = choose(terrain, &view);
+    assert_int_equal(finest_of(&coarse),
+                     finest - 3 > PL_GROUND_TILE_SHIFT ? finest - 3 : PL_GROUND_TILE_SHIFT);
+    check_tiling(&coarse);
+    pl_arena_clear(&chosen.arena);
+    pl_arena_clear((pl_arena *)&same.arena);
+    pl_arena_clear((pl_arena *)&coarse.arena);
+    pl_terrain_destroy(terrain);
+  }
+}
+
 /* A body of 1 km, one of 71 000 km, one that is oblate, and one that is a few pixels wide. */
 static void bodies_of_all_sizes(void **state) {
   (void)state;
@@ -328,6 +370,7 @@ int main(void) {
       cmocka_unit_test(neighbours_touch),
       cmocka_unit_test(tiles_cover_the_body_and_are_balanced),
       cmocka_unit_test(cells_follow_pixels),
+      cmocka_unit_test(levels_are_bounded),
       cmocka_unit_test(grazing_views_need_few_tiles),
       cmocka_unit_test(what_may_shade_the_frame_is_refined),
       cmocka_unit_test(unseen_ground_is_coarse),

@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "plan/effects.h"
 #include "plan/plan.h"
 #include "random.h"
 
@@ -210,6 +211,37 @@ static void test_view_factor(void **state) {
   assert_true(pl_view_factor(&touching, &source) == 1.0);
 }
 
+/* Two bodies with terrain: the plan keeps as many levels as those need that are brighter than the
+ * tolerance, and the bound of fewer is the light of the others. */
+static void test_levels_of_terrain(void **state) {
+  (void)state;
+  const pl_effect *row[] = {&pl_effect_terrain};
+  pl_view_thing things[2];
+  for (int k = 0; k < 2; k++) {
+    things[k] = sphere((pl_vec3){0.0, k ? 1e9 : -1e9, 1e9}, 1e3);
+    things[k].in_frame = things[k].diffuse = true;
+    things[k].ggx_alpha_min = 1.0;
+    things[k].irradiance = 100.0;
+    things[k].terrain = k ? 12 : 25;
+    things[k].albedo_max = k ? 0.5 : 1e-4;
+  }
+  pl_view view = {.white_radiance = 20.0, .things = things, .thing_count = 2};
+  const pl_plan_wish wishes[] = {
+      {.tolerance_dn = 0.0}, {.tolerance_dn = 1.0}, {.tolerance_dn = 255.0}};
+  const int values[] = {25, 12, 0};
+  for (int k = 0; k < 3; k++) {
+    pl_plan plan;
+    assert_int_equal(pl_plan_solve(row, 1, &view, &wishes[k], &plan), PL_OK);
+    assert_int_equal(pl_plan_value(&plan, &pl_effect_terrain), values[k]);
+    assert_true(plan.rows[0].residual_dn <= wishes[k].tolerance_dn);
+    assert_true(k != 1 || plan.rows[0].residual_dn > 0.0);
+  }
+  for (int value = 0; value < 25; value++) /* bounds fall with the levels, to 0 at the last */
+    assert_true(pl_effect_terrain.bound_dn(&view, value) >=
+                pl_effect_terrain.bound_dn(&view, value + 1));
+  assert_true(pl_effect_terrain.bound_dn(&view, 25) == 0.0);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_smallest_value),
@@ -222,6 +254,7 @@ int main(void) {
       cmocka_unit_test(test_shadow_reaches_never_misses),
       cmocka_unit_test(test_shadow_of_a_far_moon),
       cmocka_unit_test(test_view_factor),
+      cmocka_unit_test(test_levels_of_terrain),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

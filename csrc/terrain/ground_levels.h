@@ -1,0 +1,12 @@
+/* How finely the ground of a frame may be refined: the levels that its plan counts. */
+#ifndef PL_TERRAIN_GROUND_LEVELS_H
+#define PL_TERRAIN_GROUND_LEVELS_H
+
+#include "terrain/ground_tile_tree.h"
+
+/* Returns a level that no lattice of the tiles of a view is above: from the ground that is nearest
+ * to its eye and the size of a pixel there. Of the view, only eye, pixel_rad, cells_per_pixel and
+ * finest_m are used; at least 1. Slopes are taken as for the choice of tiles. */
+int pl_ground_levels(const pl_terrain *terrain, const pl_ground_tile_view *view);
+
+#endif
