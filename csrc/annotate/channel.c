@@ -214,6 +214,9 @@ const pl_channel pl_channels[] = {
      "catalogue; 0 where there is none, and on "
      "rocks",
      PL_BLANK_ZERO, pl_write_crater_id},
+    {"ground_mask", "int32", 4, 0, "id",
+     "number of the ground in terrain.mask at the point; 0 where there is none", PL_BLANK_ZERO,
+     pl_write_ground_mask},
     {"flow", "float32", 4, 2, "px",
      "from the pixel to where the next frame sees the same point: right, down; of the sky by the "
      "camera's rotation; nan where it has no image there, or there is no next frame in the scene",

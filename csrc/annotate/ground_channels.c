@@ -111,3 +111,17 @@ void pl_find_craters(pl_label_run *run) {
 void pl_write_crater_id(const pl_label_run *run, void *pixels) {
   memcpy(pixels, run->craters, run->count * sizeof run->craters[0]);
 }
+
+void pl_write_ground_mask(const pl_label_run *run, void *pixels) {
+  const pl_shot_body *body = body_of(run);
+  const bool masked = body != NULL && body->body->terrain != NULL;
+  int32_t *out = pixels;
+  for (size_t i = 0; i < run->count; i++) {
+    out[i] = 0;
+    if (!masked)
+      continue;
+    const pl_vec3 d = pl_mat3_mul_vec_t(body->rotation, from_center(run, body, i));
+    out[i] =
+        (int32_t)pl_raster_stack_nearest(pl_terrain_mask(body->body->terrain), pl_vec3_unit(d));
+  }
+}

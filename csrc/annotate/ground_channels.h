@@ -18,6 +18,8 @@ void pl_write_rock_id(const pl_label_run *run, void *pixels);
 /* Sets the craters of a run. */
 void pl_find_craters(pl_label_run *run);
 void pl_write_crater_id(const pl_label_run *run, void *pixels);
+/* Numbers of the terrain's masks, on rocks, too. */
+void pl_write_ground_mask(const pl_label_run *run, void *pixels);
 
 /* Rows y0 to y1 - 1 of images of the map. From the elevations of neighbouring pixels: */
 void pl_write_slope_sobel(const pl_ground_map *map, int y0, int y1);

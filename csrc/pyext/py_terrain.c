@@ -164,7 +164,7 @@ static int stack_of(PyObject *given, const char *what, PyObject *kept, pl_raster
 }
 
 typedef struct parts {
-  PyObject *layers, *detail, *craters, *rocks, *albedo, *roughness, *known;
+  PyObject *layers, *detail, *craters, *rocks, *albedo, *roughness, *known, *mask, *patch;
   double roughness_baseline_m;
 } parts;
 
@@ -182,13 +182,24 @@ static int known_of(PyObject *given, PyArrayObject **array, pl_terrain_frame *fr
   return 0;
 }
 
+/* Reads (direction, side_m); None: no patch. */
+static int patch_of(PyObject *given, pl_terrain_patch *out) {
+  pl_vec3 *c = &out->center;
+  if (given == Py_None)
+    return 0;
+  if (!PyArg_ParseTuple(given, "(ddd)d:patch", &c->x, &c->y, &c->z, &out->side_m))
+    return pl_py_prefix_error("patch");
+  return 0;
+}
+
 static int create(terrain_object *self, const double radii_m[3], const parts *in) {
   pl_terrain_layer given[PL_TERRAIN_LAYERS];
-  pl_raster_stack albedo, roughness;
+  pl_raster_stack albedo, roughness, mask;
   pl_terrain_frame frame = {.radii_m = {radii_m[0], radii_m[1], radii_m[2]},
                             .layers = given,
                             .albedo = &albedo,
                             .roughness = &roughness,
+                            .mask = &mask,
                             .roughness_baseline_m = in->roughness_baseline_m};
   self->kept = PyList_New(0);
   if (self->kept == NULL ||
@@ -197,7 +208,8 @@ static int create(terrain_object *self, const double radii_m[3], const parts *in
       craters_of(in->craters, self->kept, &frame.craters) < 0 ||
       rocks_of(in->rocks, self->kept, &frame.rocks) < 0 ||
       stack_of(in->albedo, "albedo", self->kept, &albedo) < 0 ||
-      stack_of(in->roughness, "roughness", self->kept, &roughness) < 0)
+      stack_of(in->roughness, "roughness", self->kept, &roughness) < 0 ||
+      stack_of(in->mask, "mask", self->kept, &mask) < 0 || patch_of(in->patch, &frame.patch) < 0)
     return -1;
   PyArrayObject *known = NULL;
   if (known_of(in->known, &known, &frame) < 0)
@@ -213,13 +225,13 @@ static int create(terrain_object *self, const double radii_m[3], const parts *in
 static PyObject *terrain_new(PyTypeObject *type, PyObject *args, PyObject *kwargs) {
   static char *names[] = {"radii_m",       "layers", "detail",    "craters",
                           "rocks",         "albedo", "roughness", "roughness_baseline_m",
-                          "known_craters", NULL};
+                          "known_craters", "mask",   "patch",     NULL};
   PyObject *radii;
-  parts in = {NULL, Py_None, Py_None, Py_None, Py_None, Py_None, Py_None, 0.0};
+  parts in = {NULL, Py_None, Py_None, Py_None, Py_None, Py_None, Py_None, Py_None, Py_None, 0.0};
   const npy_intp shape[1] = {3};
-  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "O|OOOOOOdO:Terrain", names, &radii, &in.layers,
+  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "O|OOOOOOdOOO:Terrain", names, &radii, &in.layers,
                                    &in.detail, &in.craters, &in.rocks, &in.albedo, &in.roughness,
-                                   &in.roughness_baseline_m, &in.known))
+                                   &in.roughness_baseline_m, &in.known, &in.mask, &in.patch))
     return NULL;
   PyArrayObject *array = pl_py_array(radii, "radii_m", NPY_DOUBLE, 1, shape);
   if (array == NULL)
@@ -473,7 +485,7 @@ static PyGetSetDef terrain_getset[] = {
 static PyType_Slot terrain_slots[] = {
     {Py_tp_doc, "Terrain(radii_m, layers=(), detail=None, craters=None, rocks=None, "
                 "albedo=None, roughness=None, roughness_baseline_m=0.0, "
-                "known_craters=None)\n--\n\nGround of a body."},
+                "known_craters=None, mask=None, patch=None)\n--\n\nGround of a body."},
     {Py_tp_new, (void *)terrain_new},
     {Py_tp_dealloc, (void *)terrain_dealloc},
     {Py_tp_methods, terrain_methods},

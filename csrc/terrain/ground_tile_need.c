@@ -128,7 +128,7 @@ static bool is_finest(const pl_ground_tile_need *need, const pl_ground_tile_node
 
 bool pl_ground_tile_need_split(const pl_ground_tile_need *need, const pl_ground_tile_node *node) {
   const pl_ground_tile_view *view = need->view;
-  if (is_finest(need, node))
+  if (is_finest(need, node) || pl_terrain_beside_patch(need->terrain, node->center, node->radius_m))
     return false;
   const pl_vec3 to_eye = pl_vec3_sub(view->eye, node->center);
   const double distance = pl_vec3_norm(to_eye), nearest = distance - node->radius_m;

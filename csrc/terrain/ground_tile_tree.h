@@ -12,6 +12,7 @@
  * - Ground that may shade what is seen: a cell is as wide as the penumbra that it casts there,
  *   since heights without what is finer are off by about a tenth of a cell; or up to twice as wide
  *   as the cells there.
+ * - Ground beside the patch that a terrain states: not refined, but for its shadows.
  * - Ground outside the frame or beyond the horizon: cells are PL_GROUND_TILE_UNSEEN times as wide
  * as if they were seen. */
 #ifndef PL_TERRAIN_GROUND_TILE_TREE_H

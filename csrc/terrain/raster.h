@@ -65,6 +65,8 @@ pl_vec3 pl_raster_direction(const pl_raster *raster, double u, double v);
  * its edge. At posts, level 0 gives scale * sample + offset, to the bit. */
 double pl_raster_value(const pl_raster *raster, int level, double u, double v,
                        pl_raster_interpolation how);
+/* Writes the sample nearest to a direction; false outside of the raster. */
+bool pl_raster_nearest(const pl_raster *raster, pl_vec3 direction, double *value);
 /* Returns 1 inside; falls to 0 at the edge over `border_posts`, with continuous first and second
  * derivatives; 0 outside. The border is at most half of the raster. Edges where a raster continues
  * around the body have no border. */

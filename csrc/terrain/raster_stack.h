@@ -32,6 +32,10 @@ pl_status pl_raster_stack_init(const pl_raster_sheet *sheets, size_t count, pl_r
  * about as wide. Continuous in both arguments. */
 pl_raster_mix pl_raster_stack_at(const pl_raster_stack *stack, pl_vec3 direction, double width_rad);
 
+/* Returns the sample of the uppermost raster that is nearest to a unit direction, without borders:
+ * for numbers that are names. 0 where no raster reaches. */
+double pl_raster_stack_nearest(const pl_raster_stack *stack, pl_vec3 direction);
+
 static inline double pl_raster_mixed(pl_raster_mix mix, double below) {
   return mix.value + mix.below * below;
 }

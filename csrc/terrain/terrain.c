@@ -60,6 +60,16 @@ static pl_status check_surface(const pl_terrain_frame *frame) {
   return PL_OK;
 }
 
+static pl_status check_patch(const pl_terrain_patch *patch) {
+  if (!(isfinite(patch->side_m) && patch->side_m >= 0.0) ||
+      (patch->side_m > 0.0 && !(fabs(pl_vec3_norm(patch->center) - 1.0) < 1e-9)))
+    return pl_fail(PL_E_RANGE,
+                   "the patch of a terrain needs a unit direction and a side of at "
+                   "least 0, not %g m",
+                   patch->side_m);
+  return PL_OK;
+}
+
 static pl_status check(const pl_terrain_frame *frame) {
   const pl_vec3 r = frame->radii_m;
   if (!pl_vec3_finite(r) || !(r.x > 0.0 && r.y > 0.0 && r.z > 0.0))
@@ -76,6 +86,7 @@ static pl_status check(const pl_terrain_frame *frame) {
   PL_TRY(check_craters(frame));
   PL_TRY(check_rocks(frame));
   PL_TRY(check_surface(frame));
+  PL_TRY(check_patch(&frame->patch));
   return frame->detail.on ? pl_terrain_detail_check(&frame->detail) : PL_OK;
 }
 
@@ -116,6 +127,8 @@ pl_status pl_terrain_create(const pl_terrain_frame *frame, pl_terrain **out) {
   t->albedo = frame->albedo != NULL ? *frame->albedo : (pl_raster_stack){.mean = {0.0, 1.0}};
   t->roughness =
       frame->roughness != NULL ? *frame->roughness : (pl_raster_stack){.mean = {0.0, 1.0}};
+  t->mask = frame->mask != NULL ? *frame->mask : (pl_raster_stack){.mean = {0.0, 1.0}};
+  t->patch = frame->patch;
   t->layer_count = frame->layer_count;
   for (size_t n = 0; n < t->layer_count; n++) {
     pl_layer *layer = &t->layers[n];
@@ -148,6 +161,20 @@ const pl_raster_stack *pl_terrain_albedo(const pl_terrain *terrain) { return &te
 
 const pl_raster_stack *pl_terrain_roughness(const pl_terrain *terrain) {
   return &terrain->roughness;
+}
+
+const pl_raster_stack *pl_terrain_mask(const pl_terrain *terrain) { return &terrain->mask; }
+
+bool pl_terrain_beside_patch(const pl_terrain *terrain, pl_vec3 center, double radius_m) {
+  const pl_terrain_patch *patch = &terrain->patch;
+  const pl_vec3 up = patch->center;
+  const pl_vec3 pole = fabs(up.z) < 1.0 ? (pl_vec3){0.0, 0.0, 1.0} : (pl_vec3){1.0, 0.0, 0.0};
+  if (!(patch->side_m > 0.0))
+    return false;
+  const pl_vec3 east = pl_vec3_unit(pl_vec3_cross(pole, up)), north = pl_vec3_cross(up, east);
+  const double reach_m = 0.5 * patch->side_m + radius_m;
+  return pl_vec3_dot(center, up) < -radius_m || fabs(pl_vec3_dot(center, east)) > reach_m ||
+         fabs(pl_vec3_dot(center, north)) > reach_m;
 }
 
 double pl_terrain_radius_m(const pl_terrain *terrain) { return terrain->radius_m; }

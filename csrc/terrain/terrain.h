@@ -45,6 +45,12 @@ typedef struct pl_known_crater {
   double diameter_m;
 } pl_known_crater;
 
+/* A square on the ground; a side of 0: none. Meshes are fine only in it. */
+typedef struct pl_terrain_patch {
+  pl_vec3 center; /* unit, body axes */
+  double side_m;
+} pl_terrain_patch;
+
 typedef struct pl_terrain_frame {
   pl_vec3 radii_m;                /* of the body's ellipsoid */
   const pl_terrain_layer *layers; /* copied; each lies over those before it */
@@ -58,6 +64,8 @@ typedef struct pl_terrain_frame {
   /* Of the surface, with borrowed rasters; NULL: none. Albedo as in the body's colour map; Hapke's
    * roughness, rad. */
   const pl_raster_stack *albedo, *roughness;
+  const pl_raster_stack *mask; /* of whole numbers; NULL: none */
+  pl_terrain_patch patch;
   const pl_known_crater *known; /* copied */
   size_t known_count;
 } pl_terrain_frame;
@@ -79,6 +87,10 @@ const struct pl_rock_field *pl_terrain_rocks(const pl_terrain *terrain);
 /* Rasters of the surface; empty without any. */
 const pl_raster_stack *pl_terrain_albedo(const pl_terrain *terrain);
 const pl_raster_stack *pl_terrain_roughness(const pl_terrain *terrain);
+const pl_raster_stack *pl_terrain_mask(const pl_terrain *terrain);
+/* Whether a sphere (body axes, m) is wholly beside the patch that the terrain states: over none of
+ * the ground of the square about its centre, with sides to the east and the north. */
+bool pl_terrain_beside_patch(const pl_terrain *terrain, pl_vec3 center, double radius_m);
 /* Distance of the ellipsoid from the centre, along a unit direction. */
 double pl_terrain_datum_m(const pl_terrain *terrain, pl_vec3 direction);
 

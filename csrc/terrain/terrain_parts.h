@@ -38,7 +38,8 @@ struct pl_terrain {
   pl_fractal_detail detail;
   const pl_crater_field *craters;
   const struct pl_rock_field *rocks; /* borrowed, or NULL */
-  pl_raster_stack albedo, roughness;
+  pl_raster_stack albedo, roughness, mask;
+  pl_terrain_patch patch;
   size_t layer_count;
   pl_layer layers[PL_TERRAIN_LAYERS];
   pl_slope_table slopes;

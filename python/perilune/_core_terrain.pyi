@@ -92,7 +92,9 @@ class Terrain:
         detail: Mapping[str, object] | None = None, craters: CraterField | None = None,
         rocks: RockField | None = None, albedo: Sequence[tuple[Raster, float]] | None = None,
         roughness: Sequence[tuple[Raster, float]] | None = None,
-        roughness_baseline_m: float = 0.0, known_craters: F64 | None = None
+        roughness_baseline_m: float = 0.0, known_craters: F64 | None = None,
+        mask: Sequence[tuple[Raster, float]] | None = None,
+        patch: tuple[tuple[float, float, float], float] | None = None,
     ) -> Self:
         """radii_m: (3,) of the ellipsoid. layers: (raster, interpolation, border_posts, datum_m), each
         over those before it: interpolation "bilinear" | "cubic"; the border is the width of blending
@@ -105,7 +107,8 @@ class Terrain:
         rocks: of such a body, too; they are no part of the heights. albedo, roughness (rad):
         (raster, border_posts) of the surface, each over those before it. roughness_baseline_m: the
         roughness of laws of reflectance is that of slopes below it; 0: finer than all detail. known_craters: (n, 4)
-        unit directions and diameters (m) of craters that are labelled, but not drawn."""
+        unit directions and diameters (m) of craters that are labelled, but not drawn. mask: whole numbers,
+        as albedo. patch: unit direction and side (m) of a square; meshes are fine only in it."""
     def heights(self, directions: F64, cell_m: float = 0.0) -> F64:
         """(n,) heights, m, in directions (n, 3) in body axes, as a lattice with cells of at most
         cell_m resolves them; 0: of the finest level."""

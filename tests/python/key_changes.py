@@ -10,6 +10,7 @@ PARTS = {
     "depth": ("depth",),
     "ids": ("semantic", "instance", "part"),
     "sensor": ("raw", "sensor_rgb"),
+    "mask": ("ground_mask",),
 }
 """Part of a frame -> channels. Besides: camera (K and pose), objects (their labels), stars,
 exposure, names (taxonomy and models), meta."""
@@ -29,7 +30,7 @@ def rule(must: str, may: str = "") -> Rule:
     return Rule(required, required | frozenset(may.split()))
 
 
-SEEN = "light depth ids objects"
+SEEN = "light depth ids objects mask"
 LIGHT = rule("light")
 PLACED = rule("light depth", "ids objects")
 MOVES = rule("camera", SEEN)
@@ -69,6 +70,7 @@ KEYS = {
     ("Terrain", "albedo"): LIGHT,
     ("Terrain", "roughness"): LIGHT,
     ("Terrain", "crater_catalogue"): rule("ids"),
+    ("Terrain", "mask"): rule("mask"),
     ("Terrain", "roughness_baseline_m"): LIGHT,
     ("Body", "class"): rule("names"),
     ("Body", "areas"): rule("ids names"),

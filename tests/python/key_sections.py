@@ -220,6 +220,8 @@ THINGS = [
             "detail": None,
             "albedo": [{"file": GREY_MAP, "scale": 0.01, "projection": HEIGHTS["projection"]}],
             "roughness": [{"file": GREY_MAP, "scale": 0.3, "projection": HEIGHTS["projection"]}],
+            "mask": [{"file": GREY_MAP, "projection": HEIGHTS["projection"]}],
+            "patch": {"center_lon_lat_deg": [0.0, 0.0], "side_m": 1e3},
             "craters": {"density": 30.0},
             "rocks": {
                 "law": "power",

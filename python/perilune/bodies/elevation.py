@@ -128,6 +128,14 @@ def place_of(
     return places.given(given.projection, (rows, columns), radius_m, ratio)
 
 
+def missing_of(
+    values: NDArray[Any], given: Elevation | SurfaceRaster, file: ElevationFile
+) -> NDArray[np.bool_] | None:
+    """Which numbers of a file are missing, None without any."""
+    marks = [file.no_data, given.missing, _MARK if values.dtype.kind == "f" else None]
+    return _missing(values, marks)
+
+
 def complete(
     values: NDArray[Any],
     given: Elevation | SurfaceRaster,
@@ -136,8 +144,7 @@ def complete(
     place: Place,
 ) -> tuple[NDArray[Any], float, tuple[str, ...]]:
     """The numbers without gaps, the fraction that was filled, and remarks."""
-    marks = [file.no_data, given.missing, _MARK if values.dtype.kind == "f" else None]
-    missing = _missing(values, marks)
+    missing = missing_of(values, given, file)
     heights = isinstance(given, Elevation)
     noun = "heights" if heights else "numbers"
     if missing is None:

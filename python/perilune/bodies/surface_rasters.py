@@ -5,9 +5,20 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
-from perilune.bodies.elevation import ElevationRaster, complete, first_of, place_of, samples_of
-from perilune.bodies.elevation_files import read
+import numpy as np
+from numpy.typing import NDArray
+
+from perilune.bodies.elevation import (
+    ElevationRaster,
+    complete,
+    first_of,
+    missing_of,
+    place_of,
+    samples_of,
+)
+from perilune.bodies.elevation_files import ElevationFile, read
 from perilune.config.elevation import SurfaceRaster
 from perilune.config.types import Latitudes
 
@@ -25,7 +36,26 @@ class Quantity:
 
 
 ALBEDO = Quantity("albedo", 10.0, 1.0)
+MASK = Quantity("mask", 65535.0, 1.0)
 ROUGHNESS = Quantity("roughness", 60.0, math.pi / 180.0)
+
+
+def _names(
+    values: NDArray[Any], given: SurfaceRaster, file: ElevationFile, path: Path
+) -> NDArray[np.uint16]:
+    """The whole numbers of a mask; 0 where the file has none."""
+    missing = missing_of(values, given, file)
+    scale = first_of(given.scale, file.scale_m, 1.0)
+    numbers = values * scale + first_of(given.offset, file.offset_m, 0.0)
+    if missing is not None:
+        numbers = np.where(missing, 0.0, numbers)
+    wrong = ~((numbers == np.rint(numbers)) & (numbers >= 0.0) & (numbers <= MASK.most))
+    if wrong.any():
+        raise ValueError(
+            f"file: {path}: holds {numbers[wrong][0]:.6g}; allowed: whole numbers from 0 to "
+            f"{MASK.most:g}"
+        )
+    return numbers.astype(np.uint16)
 
 
 def read_surface(
@@ -39,12 +69,20 @@ def read_surface(
 
     Raises ValueError that names the key, below the section, and the file."""
     file = read(path, given.raw, given.band)
-    if given.scale is None and file.scale_m is None and path.suffix.lower() == ".png":
+    if (
+        quantity is not MASK
+        and given.scale is None
+        and file.scale_m is None
+        and path.suffix.lower() == ".png"
+    ):
         raise ValueError(f"scale: {path}: is a PNG; give what one of its levels stands for")
     place = place_of(given, file, path, radii_m[0], radii_m, latitudes)
     values = file.values
     if place.dy > 0.0:  # from south to north
         values, place = values[::-1], place.flipped(values.shape[0])
+    if quantity is MASK:
+        names = _names(values, given, file, path)
+        return ElevationRaster(names, place, 1.0, 0.0, str(path), border_posts=0.0)
     values, missing, remarks = complete(values, given, file, path, place)
     scale = first_of(given.scale, file.scale_m, 1.0)
     samples, mean = samples_of(values)

@@ -15,7 +15,7 @@ from perilune.bodies.elevation import ElevationRaster
 from perilune.bodies.polar import with_patches
 from perilune.bodies.rocks import rock_field
 from perilune.bodies.roughness import BEND, of_elevation
-from perilune.config.terrain import Detail, Terrain
+from perilune.config.terrain import Detail, Patch, Terrain
 from perilune.orbits.ground import Ground
 
 F64 = NDArray[np.float64]
@@ -64,6 +64,14 @@ def _sheets(rasters: Sequence[ElevationRaster], radius_m: float) -> list[tuple[A
     return [(row.raster, row.border_posts) for row in whole]
 
 
+def _patch(given: Patch) -> tuple[tuple[float, float, float], float]:
+    lon, lat = (math.radians(angle) for angle in given.center_lon_lat_deg)
+    return (
+        (math.cos(lat) * math.cos(lon), math.cos(lat) * math.sin(lon), math.sin(lat)),
+        given.side_m,
+    )
+
+
 def core_terrain(
     given: Terrain,
     radii_m: F64,
@@ -71,9 +79,11 @@ def core_terrain(
     albedo: Sequence[ElevationRaster] = (),
     roughness: Sequence[ElevationRaster] = (),
     catalogue: NDArray[np.void] | None = None,
+    mask: Sequence[ElevationRaster] = (),
 ) -> _core.Terrain:
-    """The core's ground of a section. rasters, albedo, roughness: what its keys were read to;
-    those that reach a pole get a patch over it. catalogue: of CATALOGUED. Raises ValueError."""
+    """The core's ground of a section. rasters, albedo, roughness, mask: what its keys were read
+    to; those that reach a pole get a patch over it, but not masks.
+    catalogue: of CATALOGUED. Raises ValueError."""
     whole = [patch for row in rasters for patch in with_patches(row, float(radii_m[0]))]
     layers = [(row.raster, row.interpolation, row.border_posts, row.datum_m) for row in whole]
     detail = None if given.detail is None else _detail(given.detail)
@@ -88,8 +98,20 @@ def core_terrain(
     rocks = None if given.rocks is None else rock_field(given.rocks, radius_m)
     sheets = tuple(_sheets(rows, float(radii_m[0])) for rows in (albedo, roughness))
     baseline_m = given.roughness_baseline_m
+    masks = [(row.raster, row.border_posts) for row in mask]
+    patch = None if given.patch is None else _patch(given.patch)
     return _core.Terrain(
-        radii_m, layers, detail, craters, rocks, sheets[0], sheets[1], baseline_m, known
+        radii_m,
+        layers,
+        detail,
+        craters,
+        rocks,
+        sheets[0],
+        sheets[1],
+        baseline_m,
+        known,
+        masks,
+        patch,
     )
 
 

@@ -19,10 +19,8 @@ from perilune.config.types import (
 )
 
 _Positive = Annotated[Positive, BeforeValidator(refuse_drawn)]
-_Longitude = Annotated[
-    float, Field(strict=True, ge=-720.0, le=720.0), BeforeValidator(refuse_drawn)
-]
-_Latitude = Annotated[float, Field(strict=True, ge=-90.0, le=90.0), BeforeValidator(refuse_drawn)]
+Longitude = Annotated[float, Field(strict=True, ge=-720.0, le=720.0), BeforeValidator(refuse_drawn)]
+Latitude = Annotated[float, Field(strict=True, ge=-90.0, le=90.0), BeforeValidator(refuse_drawn)]
 _Posts = Annotated[float, Field(strict=True, ge=0.0, le=1e6), BeforeValidator(refuse_drawn)]
 _Offset = Annotated[tuple[Finite, Finite], BeforeValidator(refuse_drawn)]
 
@@ -32,12 +30,12 @@ class CylindricalPlace(Strict):
     south (simple cylindrical, equirectangular). A raster of all longitudes wraps around."""
 
     kind: Literal["cylindrical"]
-    west_deg: _Longitude
+    west_deg: Longitude
     """East longitude of the western edge: 0 for the grids of LOLA and MOLA."""
-    east_deg: _Longitude | None = None
+    east_deg: Longitude | None = None
     """East longitude of the eastern edge, greater than west_deg. Default: a full turn on."""
-    south_deg: _Latitude = -90.0
-    north_deg: _Latitude = 90.0
+    south_deg: Latitude = -90.0
+    north_deg: Latitude = 90.0
     edges: Literal["cells", "posts"] = "cells"
     """What the edges are: the borders of the outermost cells, whose numbers belong to the middle of
     a cell; or the outermost posts themselves."""
@@ -63,7 +61,7 @@ class PolarPlace(Strict):
     pole: Literal["north", "south"]
     post_m: _Positive
     """Distance of posts at the pole."""
-    center_lon_deg: _Longitude = 0.0
+    center_lon_deg: Longitude = 0.0
     """East longitude of the vertical meridian."""
     center_m: _Offset = (0.0, 0.0)
     """Right and up from the pole to the middle of the raster."""
@@ -73,7 +71,7 @@ class LocalPlace(Strict):
     """An orthographic map about a point, with square cells, north up."""
 
     kind: Literal["orthographic"]
-    center_lon_lat_deg: Annotated[tuple[_Longitude, _Latitude], BeforeValidator(refuse_drawn)]
+    center_lon_lat_deg: Annotated[tuple[Longitude, Latitude], BeforeValidator(refuse_drawn)]
     """East longitude and latitude (geocentric) of the point to which the map is tangent."""
     post_m: _Positive
     """Distance of posts."""

@@ -8,7 +8,7 @@ from typing import Annotated
 from pydantic import BeforeValidator, Field, model_validator
 
 from perilune.config.craters import Craters
-from perilune.config.elevation import Elevation, SurfaceRaster
+from perilune.config.elevation import Elevation, Latitude, Longitude, SurfaceRaster
 from perilune.config.errors import fail
 from perilune.config.rocks import Rocks
 from perilune.config.types import NonNegative, Positive, Strict, refuse_drawn
@@ -78,6 +78,15 @@ class Detail(Strict):
         return self
 
 
+class Patch(Strict):
+    """A square on the ground about a site, with sides to the east and the north."""
+
+    center_lon_lat_deg: Annotated[tuple[Longitude, Latitude], BeforeValidator(refuse_drawn)]
+    """East longitude and latitude (geocentric) of the site."""
+    side_m: Annotated[Positive, BeforeValidator(refuse_drawn)]
+    """Length of a side."""
+
+
 class Terrain(Strict):
     """The true ground of a body, in place of its smooth ellipsoid: heights over `radii_km`, along
     lines from the centre.
@@ -97,6 +106,13 @@ class Terrain(Strict):
     """Rasters of Hapke's macroscopic roughness, 0 to 60 degrees, from coarse to fine: each lies
     over those before it, the first over the body's photometry.roughness_deg; only for reflectance
     with a roughness."""
+    mask: Annotated[tuple[SurfaceRaster, ...], Field(max_length=8)] = ()
+    """Rasters of whole numbers, 0 to 65535, as ids of mapped craters or units: each lies over those
+    before it, and gaps are 0. The channel `ground_mask` has the
+    number nearest to the point that is seen."""
+    patch: Patch | None = None
+    """The mesh is fine in this square alone. Ground beside it stays coarse, but for what throws
+    shadows into it. Default: all ground in view."""
     roughness_baseline_m: NonNegative = 100.0
     """Baseline below which photometry.roughness_deg is that of all slopes. Those of detail and
     craters, which the ground has itself, are taken from it. Default: 100 m, the pixels of the maps

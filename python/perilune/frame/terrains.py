@@ -14,7 +14,7 @@ from perilune.bodies import terrain as terrains
 from perilune.bodies.craters import read_catalogue
 from perilune.bodies.elevation import ElevationRaster, read_elevation
 from perilune.bodies.shapes import BodyShape
-from perilune.bodies.surface_rasters import ALBEDO, ROUGHNESS, Quantity, read_surface
+from perilune.bodies.surface_rasters import ALBEDO, MASK, ROUGHNESS, Quantity, read_surface
 from perilune.config.body import Body
 from perilune.config.elevation import Elevation, SurfaceRaster
 from perilune.config.errors import ConfigError
@@ -104,7 +104,7 @@ class Terrains:
         Raises ConfigError."""
         assert body.terrain is not None  # it has one
         given, radii = body.terrain, orbits.radii_m(body)
-        surface = given.albedo, given.roughness
+        surface = given.albedo, given.roughness, given.mask, given.patch, given.roughness_baseline_m
         parts = (given.elevation, given.detail, given.craters, given.rocks, *surface)
         key = (name, *parts, tuple(radii), body.is_geodetic)
         if key not in self._terrains:
@@ -121,10 +121,13 @@ class Terrains:
             rasters = read("elevation", given.elevation, None)
             albedo = read("albedo", given.albedo, ALBEDO)
             roughness = read("roughness", given.roughness, ROUGHNESS)
+            mask = read("mask", given.mask, MASK)
             catalogue = self.catalogue(document, name, body)
             _make_room(self._terrains)
             try:
-                core = terrains.core_terrain(given, radii, rasters, albedo, roughness, catalogue)
+                core = terrains.core_terrain(
+                    given, radii, rasters, albedo, roughness, catalogue, mask
+                )
             except ValueError as error:
                 raise ConfigError(f"{document.source}:\n  {where}: {error}") from error
             for text in terrains.remarks_of(given, radii, rasters):
