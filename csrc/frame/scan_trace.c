@@ -8,6 +8,7 @@
 #include "render/geometry.h"
 #include "scene/shutter.h"
 #include "trace/height_field.h"
+#include "terrain/cube.h"
 
 /* --- motion ----------------------------------------------------------------------------------- */
 
@@ -350,7 +351,7 @@ static pl_status realise(pl_renderer *renderer, pl_scan_job *job) {
   const pl_placement *placement = &request->placement;
   pl_choice choice = {
       .distortion = true,
-      .terrain = true,
+      .terrain_levels = PL_CUBE_LEVELS,
       .threads = request->threads,
       .cancel = request->cancel,
       .looks = {.pixel_rad = fmax(job->scan->source.divergence_rad, PL_SCAN_PIXEL_RAD)},
