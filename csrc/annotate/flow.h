@@ -6,8 +6,7 @@
 #ifndef PL_ANNOTATE_FLOW_H
 #define PL_ANNOTATE_FLOW_H
 
-#include "render/vertex.h"
-#include "scene/scene.h"
+#include "annotate/sight.h"
 
 typedef enum pl_flow_to { PL_FLOW_NEXT, PL_FLOW_PREVIOUS, PL_FLOW_FRAMES } pl_flow_to;
 
@@ -19,14 +18,6 @@ typedef struct pl_other_frame {
   const bool *changed;
 } pl_other_frame;
 
-/* The same, ready to be seen. */
-typedef struct pl_flow_frame {
-  const pl_other_frame *frame; /* borrowed */
-  bool rows;                   /* its rows are exposed one after the other */
-  pl_snapshot shot;            /* in the middle of its exposure */
-  const pl_tracer *tracer;     /* of this snapshot */
-} pl_flow_frame;
-
 typedef enum pl_flow_image {
   PL_FLOW_FORWARD,
   PL_FLOW_BACKWARD,
@@ -37,9 +28,9 @@ typedef enum pl_flow_image {
 } pl_flow_image;
 
 typedef struct pl_flow {
-  const pl_flow_frame *frames[PL_FLOW_FRAMES]; /* NULL: there is no such frame */
-  void *images[PL_FLOW_IMAGES];                /* NULL: not asked for */
-  bool wanted[PL_FLOW_FRAMES];                 /* whether an image needs the frame */
+  const pl_sight_frame *frames[PL_FLOW_FRAMES]; /* NULL: there is no such frame */
+  void *images[PL_FLOW_IMAGES];                 /* NULL: not asked for */
+  bool wanted[PL_FLOW_FRAMES];                  /* whether an image needs the frame */
 } pl_flow;
 
 /* Finds the images among those of pl_channels; without frames. Returns false if there are none. */

@@ -3,18 +3,21 @@
 #include "frame/moving.h"
 
 static pl_status make_frame(pl_renderer *renderer, const pl_other_frame *other,
-                            const pl_choice *choice, bool rolls, const pl_flow_frame **out) {
+                            const pl_choice *choice, bool rolls, const pl_sight_frame **out) {
   pl_choice labels = pl_choice_of_labels(choice);
   labels.far_casters = false; /* nothing is lit */
-  pl_flow_frame *made = pl_arena_alloc(&renderer->arena, 1, sizeof *made);
-  if (made == NULL)
+  pl_sight_frame *made = pl_arena_alloc(&renderer->arena, 1, sizeof *made);
+  pl_snapshot *shot = pl_arena_alloc(&renderer->arena, 1, sizeof *shot);
+  if (made == NULL || shot == NULL)
     return pl_fail(PL_E_MEMORY, "out of memory for another frame");
-  made->frame = other;
-  made->rows = rolls && other->placement.shutter.line_s > 0.0;
+  *made = (pl_sight_frame){.placement = &other->placement,
+                           .changed = other->changed,
+                           .rows = rolls && other->placement.shutter.line_s > 0.0,
+                           .shot = shot};
   *out = made;
   PL_TRY(pl_placement_check(renderer->scene, &other->placement));
   return pl_realise_geometry(renderer->accelerators, renderer->scene, &other->placement, &labels,
-                             &renderer->arena, &made->shot, &made->tracer);
+                             &renderer->arena, shot, &made->tracer);
 }
 
 pl_status pl_frame_flow(pl_renderer *renderer, const pl_frame_request *request, const pl_plan *plan,
@@ -33,5 +36,19 @@ pl_status pl_frame_flow(pl_renderer *renderer, const pl_frame_request *request, 
     return pl_fail(PL_E_MEMORY, "out of memory for labels of motion");
   *made = found;
   *out = made;
+  return PL_OK;
+}
+
+pl_status pl_frame_keypoints(const pl_scene *scene, const pl_frame_request *request,
+                             const pl_plan *plan, const pl_instant *instant) {
+  const pl_sight_frame frame = {.placement = &request->placement,
+                                .rows = pl_moving_rolls(request, plan),
+                                .shot = &instant->shot,
+                                .tracer = instant->tracer};
+  if (request->keypoint_labels == NULL)
+    return PL_OK;
+  PL_TRY(pl_keypoints_check(scene, request->keypoints, request->keypoint_count));
+  for (size_t i = 0; i < request->keypoint_count; i++)
+    pl_keypoint_find(scene, &frame, &request->keypoints[i], &request->keypoint_labels[i]);
   return PL_OK;
 }

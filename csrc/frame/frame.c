@@ -276,6 +276,7 @@ pl_status pl_renderer_frame(pl_renderer *renderer, const pl_frame_request *reque
   lap(result, PL_STAGE_REALISE, &start);
   PL_TRY(render_frame(renderer, request, &survey, &choice, instant, result, &output));
   lap(result, PL_STAGE_RENDER, &start);
+  PL_TRY(pl_frame_keypoints(renderer->scene, request, &result->plan, instant));
   PL_TRY(pl_labels_finish(&output.labels, renderer->accelerators, &renderer->label_tools,
                           &renderer->arena));
   lap(result, PL_STAGE_LABEL, &start);

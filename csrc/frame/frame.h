@@ -5,6 +5,7 @@
 #include "annotate/channel.h"
 #include "annotate/flow.h"
 #include "annotate/ground_map.h"
+#include "annotate/keypoint.h"
 #include "annotate/object_label.h"
 #include "base/parallel.h"
 #include "frame/sky.h"
@@ -46,6 +47,9 @@ typedef struct pl_frame_request {
   pl_ground_settings ground; /* of channels of the ground */
   /* For channels of motion, borrowed; NULL: there is no such frame. */
   const pl_other_frame *others[PL_FLOW_FRAMES];
+  const pl_keypoint *keypoints; /* borrowed */
+  size_t keypoint_count;
+  pl_keypoint_label *keypoint_labels; /* output, one per keypoint; NULL: not computed */
   bool amodal; /* compute the labels of full silhouettes; false skips the cost */
 } pl_frame_request;
 

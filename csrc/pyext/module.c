@@ -164,6 +164,7 @@ static int execute(PyObject *module) {
       return -1;
   if (add(module, "CHANNELS", pl_py_channels()) < 0 ||
       add(module, "OBJECT_LABEL", pl_py_object_label()) < 0 ||
+      add(module, "KEYPOINT_LABEL", pl_py_keypoint_label()) < 0 ||
       add(module, "EFFECTS", named_rows(pl_effect_count, effect_name, effect_doc)) < 0 ||
       add(module, "REFLECTANCES",
           named_rows(pl_reflectance_count, reflectance_name, reflectance_doc)) < 0 ||

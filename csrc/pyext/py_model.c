@@ -1,4 +1,5 @@
 /* The type Model: a glTF file or the shape of a body; immutable. */
+#include "geom/articulation.h"
 #include "pyext/py_types.h"
 
 #include <math.h>
@@ -280,9 +281,13 @@ static PyObject *get_nodes(PyObject *self, void *closure) {
   (void)closure;
   const pl_nodes *nodes = &of(self)->nodes;
   PyObject *list = PyList_New(0);
-  for (size_t i = 0; i < nodes->count; i++)
-    append(&list, Py_BuildValue("{s:s,s:i}", "name", nodes->items[i].name, "parent",
-                                nodes->items[i].parent));
+  for (size_t i = 0; i < nodes->count; i++) {
+    pl_node_frame frame;
+    const bool regular = pl_node_frame_find(of(self), (int)i, &frame) == PL_OK;
+    const pl_vec3 at = regular ? frame.origin : (pl_vec3){NAN, NAN, NAN};
+    append(&list, Py_BuildValue("{s:s,s:i,s:(ddd)}", "name", nodes->items[i].name, "parent",
+                                nodes->items[i].parent, "origin", at.x, at.y, at.z));
+  }
   return tuple_of(list);
 }
 

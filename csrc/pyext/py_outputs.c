@@ -61,18 +61,19 @@ static void *channel_data(PyObject *object, const char *name, const char *dtype,
   return checked_data(object, name, type_number(dtype), components == 0 ? 2 : 3, shape);
 }
 
-static void *object_data(PyObject *object, size_t count) {
+/* Rows of `size` bytes; `type`: their name in perilune._core. */
+static void *row_data(PyObject *object, const char *name, size_t count, size_t size,
+                      const char *type) {
   if (!PyArray_Check(object)) {
-    PyErr_SetString(PyExc_TypeError, "out['objects'] must be a NumPy array");
+    PyErr_Format(PyExc_TypeError, "out['%s'] must be a NumPy array", name);
     return NULL;
   }
   PyArrayObject *array = (PyArrayObject *)object;
   /* Any dtype of this size is accepted, except those with references to Python objects. */
   if (PyArray_TYPE(array) != NPY_VOID || PyDataType_REFCHK(PyArray_DESCR(array)) ||
       PyArray_NDIM(array) != 1 || PyArray_DIM(array, 0) != (npy_intp)count ||
-      !PyArray_ISCARRAY(array) ||
-      PyArray_NBYTES(array) != (npy_intp)(count * sizeof(pl_object_label))) {
-    PyErr_Format(PyExc_ValueError, "out['objects'] must be (%zu,) of OBJECT_LABEL", count);
+      !PyArray_ISCARRAY(array) || PyArray_NBYTES(array) != (npy_intp)(count * size)) {
+    PyErr_Format(PyExc_ValueError, "out['%s'] must be (%zu,) of %s", name, count, type);
     return NULL;
   }
   return PyArray_DATA(array);
@@ -116,8 +117,16 @@ static int components_of(size_t channel, const pl_frame_request *request) {
 static int set_output(const char *name, PyObject *array, const pl_scene *scene,
                       pl_frame_request *request) {
   const pl_camera *camera = &request->placement.camera;
-  if (strcmp(name, "objects") == 0)
-    return (request->objects = object_data(array, scene->craft_count)) != NULL ? 0 : -1;
+  if (strcmp(name, "objects") == 0) {
+    request->objects =
+        row_data(array, name, scene->craft_count, sizeof(pl_object_label), "OBJECT_LABEL");
+    return request->objects != NULL ? 0 : -1;
+  }
+  if (strcmp(name, "keypoints") == 0) {
+    request->keypoint_labels =
+        row_data(array, name, request->keypoint_count, sizeof(pl_keypoint_label), "KEYPOINT_LABEL");
+    return request->keypoint_labels != NULL ? 0 : -1;
+  }
   if (strcmp(name, "masks") == 0)
     return (request->masks = mask_data(array, scene->craft_count, camera)) != NULL ? 0 : -1;
   for (size_t i = 0; i < COLOUR_CHANNELS; i++)

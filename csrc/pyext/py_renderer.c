@@ -16,6 +16,7 @@ static void free_states(pl_py_states *states) {
   pl_free(states->parameters);
   pl_free(states->keys.numbers);
   pl_free(states->volume_parameters);
+  pl_free(states->keypoints);
 }
 
 static void renderer_dealloc(PyObject *object) {

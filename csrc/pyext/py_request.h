@@ -28,6 +28,8 @@ typedef struct pl_py_states {
   pl_volume volumes[PL_VOLUMES_MAX];
   pl_value *volume_parameters; /* owned: parameters of the graphs of all volumes */
   size_t volume_room;
+  pl_keypoint *keypoints; /* owned; grows with their number */
+  size_t keypoint_room;
   PyObject *kept; /* list of all objects that the current request borrows; NULL between frames */
 } pl_py_states;
 
@@ -62,6 +64,8 @@ int pl_py_clouds_parse(PyObject *request, size_t count, pl_body_state *out);
 int pl_py_bands_parse(PyObject *request, pl_py_states *states, pl_frame_request *out);
 /* Parses "ground_labels", which may be absent or None. */
 int pl_py_ground_labels_parse(PyObject *request, pl_frame_request *out);
+/* Parses "keypoints" of the request dictionary, which may be absent or None. */
+int pl_py_keypoints_parse(PyObject *request, pl_py_states *states, pl_frame_request *out);
 /* Sets the request's output pointers to the arrays of `out` (a mapping name -> ndarray), and checks
  * type, shape and contiguity. References are appended to `kept`. */
 int pl_py_request_outputs(PyObject *out, const pl_scene *scene, PyObject *kept,
@@ -70,5 +74,7 @@ int pl_py_request_outputs(PyObject *out, const pl_scene *scene, PyObject *kept,
 /* Return CHANNELS and OBJECT_LABEL, as documented in the stub; new references. */
 PyObject *pl_py_channels(void);
 PyObject *pl_py_object_label(void);
+/* Returns KEYPOINT_LABEL, likewise. */
+PyObject *pl_py_keypoint_label(void);
 
 #endif

@@ -42,6 +42,9 @@ from perilune._core_records import (
     Ground as Ground,
 )
 from perilune._core_records import (
+    GroundUse as GroundUse,
+)
+from perilune._core_records import (
     LensModel as LensModel,
 )
 from perilune._core_records import (
@@ -133,6 +136,7 @@ slope_rad (of the ground), direction (3,) (of the place), center (3,) (of the sh
 up (3,) (normal of the ground), rotation (3, 3) (axes of the shape to those of the body)."""
 
 OBJECT_LABEL: Sequence[tuple[Any, ...]]
+KEYPOINT_LABEL: Sequence[tuple[Any, ...]]
 """Description (name, type, shape) for numpy.dtype of one row of the object labels:
 
 R_m2c (3, 3), t_m2c (3,) m, instance_id, obj_id, in_view; and as in BOP's scene_gt_info:
@@ -172,7 +176,8 @@ class Model:
         """{"name", "material", "node": index} of each part: a primitive of a node of the file."""
     @property
     def nodes(self) -> tuple[dict[str, Any], ...]:
-        """{"name", "parent": index or -1} of each node of the file, by its index there."""
+        """{"name", "parent": index or -1, "origin": (3) at rest, model axes and units, nan for a
+        flattened node} of each node of the file, by its index there."""
     @property
     def animations(self) -> tuple[dict[str, Any], ...]:
         """{"name", "duration_s", "nodes": indices} of those that move nodes of the scene."""
@@ -410,7 +415,7 @@ class Renderer:
         self, request: FrameRequest, out: Mapping[str, NDArray[Any]], threads: int = 1
     ) -> FrameResult:
         """Fills the arrays of `out`: any of CHANNELS by name, C-contiguous, exact shape and type,
-        "objects": (objects,) of OBJECT_LABEL, and "masks": (objects, height, width) uint8, 1 on
+        "objects": (objects,) of OBJECT_LABEL, "keypoints": (keypoints,) of KEYPOINT_LABEL, and "masks": (objects, height, width) uint8, 1 on
         the full silhouette of each object inside the image, hidden parts too (the visible part is
         where "instance" is the object's). Releases the GIL; ctrl-C cancels."""
     def trace(

@@ -163,6 +163,9 @@ class FrameRequest(TypedDict):
     previous: NotRequired[FrameRequest | None]
     # (bodies,), in another frame: whether a body's shape or terrain differs from this one's
     changed_bodies: NotRequired[NDArray[np.bool_]]
+    # (keypoints, 6): object, or number of objects + body; 1 + moving node of the object, or 0; place
+    # at rest in the owner's axes, m; how far its own surface may lie before it, m
+    keypoints: NotRequired[F64 | None]
     amodal: NotRequired[bool]  # whether objects get the labels of their full silhouettes (True)
 
 class PlanRow(TypedDict):

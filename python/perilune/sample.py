@@ -21,7 +21,7 @@ Array = NDArray[Any]
 class Sample(Mapping[str, Array]):
     """One frame: `sample["rgb"]` and so on are the pixel channels that were computed."""
 
-    __slots__ = ("_channels", "_objects", "camera", "meta", "plan", "stars")
+    __slots__ = ("_channels", "_keypoints", "_objects", "camera", "meta", "plan", "stars")
 
     def __init__(
         self,
@@ -31,7 +31,9 @@ class Sample(Mapping[str, Array]):
         meta: Mapping[str, Any],
         plan: list[_core.PlanRow],
         stars: Array | None = None,
+        keypoints: Array | None = None,
     ) -> None:
+        self._keypoints = keypoints
         self._channels = dict(channels)
         self._objects = None if objects is None else object_rows(objects)
         self.camera = camera
@@ -68,6 +70,13 @@ class Sample(Mapping[str, Array]):
         catalogue, and the pixel position u, v of the centre, including the lens's distortion. Empty
         unless a colour channel was asked for. Stars that are hidden, or too faint for the exposure
         (row `stars` of the plan), are not included."""
+
+    @property
+    def keypoints(self) -> Array:
+        """Keypoints of spacecraft and landmarks of bodies: a structured array, docs/labels.md."""
+        if self._keypoints is None:
+            raise AttributeError("this sample has no keypoints: ask for the channel 'keypoints'")
+        return self._keypoints
 
     @property
     def objects(self) -> Array:

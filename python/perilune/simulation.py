@@ -23,6 +23,7 @@ from perilune.config import Config, ConfigError
 from perilune.config.errors import named
 from perilune.document import Document, load
 from perilune.document.references import (
+    KEYPOINTS,
     OBJECTS,
     OF_MOTION,
     OF_SENSOR,
@@ -377,7 +378,11 @@ class Simulation(RangeSensors):
             self._add_neighbours(request, scene, names)
         metered = self._metered(scene) if set(names) & set(OF_SENSOR) else None
         undistorted = scene.config.camera.label_lens == "undistorted"
-        arrays = arrays_of(scene.config, names, out or {}, handles.pool)
+        pixels = [name for name in names if name != KEYPOINTS]
+        arrays = arrays_of(scene.config, pixels, out or {}, handles.pool)
+        if KEYPOINTS in names:
+            request["keypoints"] = handles.keypoints.rows(scene, handles.scales(scene.config))
+            arrays[KEYPOINTS] = handles.keypoints.empty()
         try:
             with handles.lock:
                 if metered is not None:
@@ -394,22 +399,17 @@ class Simulation(RangeSensors):
             )
         if "bands" in arrays or ("raw" in arrays and bands.has_planes(scene.config.camera)):
             meta["bands"] = bands.described(scene.config.camera, scene.config.sun)
-        objects = arrays.pop(OBJECTS, None)
+        objects, found = arrays.pop(OBJECTS, None), arrays.pop(KEYPOINTS, None)
         unseen = self._unseen.look(scene.config, objects)
         if unseen is not None:
             where = f"{self._document.source}: camera.trajectory.target"
             self._remarks.tell_of_key(where, unseen)
-        ground = result["ground"]
-        if ground["widened"] > 1.0:
-            self._remarks.tell_of_key(
-                f"{self._document.source}: bodies.{ground['widened_body']}.terrain",
-                "the view needs more tiles than the limit: cells are"
-                f" {ground['widened']:.3g} times as wide as cells_per_pixel asks",
-            )
+        self._remarks.tell_of_ground(self._document.source, result["ground"])
         label = camera_label(request, scene.sensor, not undistorted)
         meta |= states(scene, request, label, result["plan"])
+        keypoints = None if found is None else handles.keypoints.table(found)
         stars = seen(result["stars"])
-        return Sample(arrays, objects, label, meta, result["plan"], stars)
+        return Sample(arrays, objects, label, meta, result["plan"], stars, keypoints)
 
     def terrain(self, index: int, body: str | None = None) -> _core.Terrain:
         """The ground of a body in a frame: heights, slopes and craters at any place.

@@ -13,6 +13,7 @@ from perilune.config.attitude import Inertial
 from perilune.config.body import Body
 from perilune.config.clouds import CloudNoise, Clouds
 from perilune.config.ground import NightLights, Ocean, Relief
+from perilune.config.keypoints import Keypoints
 from perilune.config.orbit import Circular
 from perilune.config.photometry import Photometry
 from perilune.config.rings import Rings
@@ -196,6 +197,7 @@ THINGS = [
             "material_mode": "wrap",
             "orbit": {"around": "b", "altitude_km": 100.0, "mean_anomaly_deg": 0.0},
             "class": "rock",
+            "landmarks": {"x": {"lon_deg": 1.0, "lat_deg": 2.0}},
         },
         {"materials.m": LAMBERT},
     ),
@@ -429,6 +431,7 @@ THINGS = [
             "articulation": [{"node": "panel_left", "axis": [1, 0, 0], "angle_deg": 30.0}],
             "animation": {"index": 0},
             "symmetries": {"discrete_deg": [[0, 0, 180]]},
+            "keypoints": {"points": {"x": [0.0, 0.0, 1.0]}},
         },
         {"materials.m": LAMBERT},
     ),
@@ -444,6 +447,12 @@ THINGS = [
             "spacecraft.t": CRAFT
             | {"orbit": {"around": "s", "semi_major_axis_km": 500.0, "mean_anomaly_deg": 0.0}},
         },
+    ),
+    Section(
+        Keypoints,
+        (*AT_CRAFT, "keypoints"),
+        {"points": {"centre": [0.0, 0.0, 0.0]}},
+        {"nodes": ["panel_left"], "file": "points.csv"},
     ),
     Section(Spacecraft, AT_CRAFT, CRAFT | {"model": "graphs.glb"}, {"model_graphs": False}),
     Section(Spacecraft, AT_CRAFT, CRAFT | {"model": "melted.glb"}, {"crease_angle_deg": 180.0}),

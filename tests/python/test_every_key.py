@@ -20,6 +20,7 @@ from tests.python.output.retrace import write_sheets
 import perilune
 from perilune import _core
 from perilune.config.types import Strict
+from perilune.document.references import has_keypoints
 
 FRAMES = (0, 3, 4)
 """The start of a scene, its end, and the start of another."""
@@ -52,6 +53,8 @@ def seen(tree: Tree, folder: Path) -> Seen:
             parts[PART_OF[name]].append(np.asarray(array).tobytes())
         parts["objects"].append(sample.objects.tobytes())
         parts["stars"].append(sample.stars.tobytes())
+        if has_keypoints(sim.config):
+            parts["keypoints"].append(sim.frame(index, ["keypoints"]).keypoints.tobytes())
         camera = sample.camera
         for array in (camera.K, camera.R_w2c, camera.t_w2c):
             parts["camera"].append(np.asarray(array).tobytes())
@@ -102,6 +105,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     with_graphs(path / "graphs.glb", mli_gold=LAMBERT, panel_back=LAMBERT, solar_cell=LAMBERT)
     craters = [f"{lat},{lon},600" for lat in (-60, 0, 60) for lon in range(0, 360, 40)]
     (path / "craters.csv").write_text("\n".join(["lat,lon,diam_km", *craters]))
+    (path / "points.csv").write_text("name,x,y,z\na,0,0,1\n")
     np.save(path / "kernel.npy", rng.random((5, 5)) + 0.1)
     wavelengths = np.linspace(300.0, 1100.0, 9)
     rows = [f"{w:g},{1.0 + k}" for k, w in enumerate(wavelengths)]

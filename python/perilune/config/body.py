@@ -12,6 +12,7 @@ from perilune.config.attitude import BodyRotation
 from perilune.config.clouds import Clouds
 from perilune.config.errors import fail
 from perilune.config.ground import NightLights, Ocean, Relief
+from perilune.config.keypoints import Landmark, PointName
 from perilune.config.labels import EntryClasses
 from perilune.config.materials import DriverSection
 from perilune.config.orbit import Orbit
@@ -107,6 +108,8 @@ class Body(Strict):
     patterns on the names of `areas` (`surface`: where there is none)."""
     areas: Annotated[tuple[AreaRaster, ...], Field(max_length=8)] = ()
     """Rasters that name areas of the surface, for labels: sea, ice, a mare; from coarse to fine."""
+    landmarks: dict[PointName, Landmark] = Field(default_factory=dict)
+    """Name -> place on its ground; its image is a keypoint."""
 
     @property
     def is_geodetic(self) -> bool:

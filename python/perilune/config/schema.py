@@ -28,6 +28,7 @@ from perilune.config.ephemeris import Ephemeris
 from perilune.config.errors import fail, nearest
 from perilune.config.events import Events
 from perilune.config.faces import DEFAULT, Faces
+from perilune.config.keypoints import Keypoints
 from perilune.config.labels import ClassPatterns, EntryClasses, Labels
 from perilune.config.lidar import Lidar
 from perilune.config.materials import DriverSection, Material, MaterialDrivers, MaterialUse
@@ -284,6 +285,8 @@ class Spacecraft(Strict):
     animation: Animation | None = None
     """The model's own animations. Joints act on top of them."""
     symmetries: Symmetries = Symmetries.of_defaults()
+    keypoints: Keypoints = Keypoints.of_defaults()
+    """Named points of it whose images are labels."""
 
     @model_validator(mode="after")
     def _one_scale(self) -> Spacecraft:

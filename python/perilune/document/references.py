@@ -15,6 +15,8 @@ OBJECTS = "objects"
 """Name that requests a sample's object labels, along with pixel channels."""
 MASKS = "masks"
 """Name that requests the full silhouettes, one image per spacecraft."""
+KEYPOINTS = "keypoints"
+"""Name that requests a sample's table of keypoints."""
 OF_SENSOR = ("raw", "sensor_rgb")
 """Channels that only cameras with a section `sensor` have."""
 TO_NEXT = ("flow", "flow_occlusion", "scene_flow")
@@ -25,7 +27,15 @@ OF_MOTION = (*TO_NEXT, *TO_PREVIOUS)
 
 def channel_names() -> list[str]:
     """All names allowed in `channels`."""
-    return [*(channel["name"] for channel in _core.CHANNELS), OBJECTS, MASKS]
+    return [*(channel["name"] for channel in _core.CHANNELS), OBJECTS, MASKS, KEYPOINTS]
+
+
+def has_keypoints(config: Config) -> bool:
+    """Whether a spacecraft has keypoints, or a body landmarks."""
+    crafts = (craft.keypoints for craft in config.spacecraft.values())
+    return any(spec.points or spec.file or spec.nodes for spec in crafts) or any(
+        body.landmarks for body in config.bodies.values()
+    )
 
 
 def pixel_channels(config: Config) -> list[str]:
@@ -46,6 +56,9 @@ def check_channels(channels: Iterable[str], config: Config, where: str) -> None:
     for name in channels:
         if name not in known:
             raise ConfigError(f"{where}: no channel '{name}'{nearest(name, known)}")
+        if name == KEYPOINTS and not has_keypoints(config):
+            told = "spacecraft.NAME.keypoints or bodies.NAME.landmarks"
+            raise ConfigError(f"{where}: '{name}': there are none; {told} would say which")
         if name == "crater_id" and config.labels.craters is None:
             raise ConfigError(f"{where}: '{name}': labels.craters is null")
         for camera_name, camera in config.cameras.items():

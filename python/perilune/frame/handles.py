@@ -26,6 +26,7 @@ from perilune.config.shape import Shape
 from perilune.document.document import Document
 from perilune.document.fixed import fixed
 from perilune.frame import scene_labels
+from perilune.frame.keypoints import KeypointSet
 from perilune.frame.labels import Taxonomy, object_class, taxonomy, unmatched
 from perilune.frame.looks import Look, Looks
 from perilune.frame.pool import Pool
@@ -268,6 +269,11 @@ class Handles:
             for name, row in self.models.items()
         }
         return {name: rig for name, rig in rigs.items() if rig is not None}
+
+    @cached_property
+    def keypoints(self) -> KeypointSet:
+        """The keypoints of the configuration."""
+        return KeypointSet(self.document, self.models, self.rigs, self.taxonomy.instances)
 
     @cached_property
     def looks(self) -> Looks:

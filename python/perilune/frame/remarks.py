@@ -8,6 +8,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Iterable
 
+from perilune import _core
 from perilune.base.workers import torch_worker
 from perilune.config.errors import ConfigWarning, ModelWarning
 
@@ -24,6 +25,15 @@ class Remarks:
             self._told.add((where, text))
             if torch_worker()[0] == 0:
                 warnings.warn(f"{where}: {text}", ConfigWarning, stacklevel=2)
+
+    def tell_of_ground(self, source: str, ground: _core.GroundUse) -> None:
+        """Warns once of ground that is coarser than asked. source: the configuration's file."""
+        if ground["widened"] > 1.0:
+            self.tell_of_key(
+                f"{source}: bodies.{ground['widened_body']}.terrain",
+                "the view needs more tiles than the limit: cells are"
+                f" {ground['widened']:.3g} times as wide as cells_per_pixel asks",
+            )
 
     def tell(self, where: str, path: str, lines: Iterable[str]) -> None:
         """Warns of each line about a file once.

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from perilune import _core
-from perilune.document.references import MASKS, OBJECTS
+from perilune.document.references import KEYPOINTS, MASKS, OBJECTS
 from perilune.export.writers.bop_channels import TABLES
 from perilune.frame.craters import bodies_with
 from perilune.frame.request import channel_layout
@@ -60,6 +60,9 @@ def described(sim: Simulation, names: list[str]) -> dict[str, Channel]:
     if OBJECTS in names:
         doc = "pose, boxes and visibility of each spacecraft"
         found[OBJECTS] = Channel(OBJECTS, TABLE, "table", 0, "", doc)
+    if KEYPOINTS in names:
+        doc = "keypoints of spacecraft and landmarks of bodies"
+        found[KEYPOINTS] = Channel(KEYPOINTS, TABLE, "table", 0, "", doc)
     if MASKS in names:
         doc = "silhouette of each spacecraft, whole and visible"
         found[MASKS] = Channel(MASKS, STACK, "bool", 0, "", doc)

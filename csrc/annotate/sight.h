@@ -1,0 +1,55 @@
+/* Points that move with a surface (an object, its moving node, a body), seen in a frame: where the
+ * camera, lens and shutter put them, and what hides them. Directions likewise. */
+#ifndef PL_ANNOTATE_SIGHT_H
+#define PL_ANNOTATE_SIGHT_H
+
+#include "render/vertex.h"
+#include "scene/scene.h"
+
+/* A frame that they are seen in. */
+typedef struct pl_sight_frame {
+  const pl_placement *placement; /* borrowed */
+  /* borrowed, one per body: whether its shape or terrain is another one than where the points are
+   * from, so that they do not exist; NULL: none */
+  const bool *changed;
+  bool rows;               /* its rows are exposed one after the other */
+  const pl_snapshot *shot; /* in the middle of its exposure; borrowed */
+  const pl_tracer *tracer; /* of this snapshot; borrowed */
+} pl_sight_frame;
+
+typedef struct pl_sight {
+  bool is_point;            /* false: a direction */
+  pl_surface_id surface_id; /* of a point */
+  uint32_t triangle;        /* that hides nothing of it, and its number + 1; 0: none */
+  pl_vec3 local;            /* mesh units, body axes, or for a direction root axes */
+  /* of the geometric normal on the side that is seen, in the same axes, any length; zero: the point
+   * is seen from all sides */
+  pl_vec3 normal;
+  const pl_object *object; /* NULL: on a body, or a direction */
+  size_t index;            /* of the object or body */
+  size_t piece;            /* of an articulated object */
+  pl_vec3 radii;           /* of a body, where the point is from */
+  double cell_m;           /* width of the ground's cells there */
+  double deep_m;           /* how far it may lie behind its own surface */
+} pl_sight;
+
+/* What a ray through a pixel's centre hit. */
+pl_sight pl_sight_of(const pl_snapshot *shot, const pl_vertex *vertex);
+static inline pl_sight pl_sight_towards(pl_vec3 direction) {
+  return (pl_sight){.local = direction, .surface_id = PL_NO_SURFACE};
+}
+
+/* Whether the surface is there in the frame. */
+bool pl_sight_is_there(const pl_sight_frame *frame, const pl_sight *sight);
+
+/* Projects; with a rolling shutter at the time of the row that sees the point. *point receives its
+ * place in camera axes, m. Returns false if it has no image. */
+bool pl_sight_project(const pl_sight_frame *frame, const pl_sight *sight, pl_vec3 *point,
+                      double pixel[2]);
+bool pl_pixel_in_image(const pl_camera *camera, const double pixel[2]);
+
+/* Returns what hides a sight from the camera, in the middle of the exposure: its own surface also
+ * if that turns its other side; PL_NO_SURFACE: nothing. */
+pl_surface_id pl_sight_hidden_by(const pl_sight_frame *frame, const pl_sight *sight);
+
+#endif
