@@ -97,6 +97,27 @@ def test_craters_of_the_same_age() -> None:
     assert len(np.unique(one["crater_id"])) > 10
 
 
+def test_laws_are_driven() -> None:
+    """Density, law, age, burial and slopes of repose are drawn for each frame."""
+    rocks: dict[str, Any] = {
+        "coefficient": {"uniform": [0.06, 0.08]}, "exponent": {"uniform": [-2.2, -1.8]},
+        "density": {"uniform": [0.8, 1.0]}, "min_diameter_m": {"uniform": [0.3, 0.5]},
+        "max_diameter_m": 1.6, "least_burial": {"uniform": [0.1, 0.2]}, "law": "power",
+        "most_burial": {"uniform": [0.4, 0.6]}, "repose_deg": {"uniform": [30.0, 40.0]},
+    }  # fmt: skip
+    craters: dict[str, Any] = {
+        "law": "power", "coefficient": {"uniform": [0.1, 0.12]}, "max_diameter_m": 20.0,
+        "exponent": {"uniform": [-2.2, -1.8]}, "density": {"uniform": [0.5, 1.0]},
+        "surface_age_ga": {"uniform": [2.0, 4.0]}, "min_diameter_m": {"uniform": [2.0, 2.5]},
+    }  # fmt: skip
+    sim = ground(over(15.0), {"rocks": rocks, "craters": craters}, 32)
+    found = [(sim.rocks(k), sim.craters(k, least_px=2)) for k in (0, 1)]
+    for one, other in zip(*found, strict=True):
+        assert len(one) > 0
+        assert len(other) > 0
+        assert set(one["diameter_m"].tolist()).isdisjoint(other["diameter_m"].tolist())
+
+
 # -- rocks of any size -----------------------------------------------------------------------------
 
 
