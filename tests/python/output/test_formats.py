@@ -6,9 +6,11 @@ from __future__ import annotations
 import errno
 import json
 import os
+import re
 import resource
 import shutil
 import signal
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -298,3 +300,8 @@ def test_the_help_names_every_format(capsys):
     told = "".join(capsys.readouterr().out.split())
     for row in WRITERS.values():
         assert "".join(f"{row.name}: {row.doc}".split()) in told
+
+
+def test_the_page_has_a_row_for_every_format():
+    page = (Path(__file__).parents[3] / "docs/formats.md").read_text()
+    assert re.findall(r"^\| `([a-z0-9-]+)` \|", page, re.MULTILINE) == list(WRITERS)

@@ -1,0 +1,108 @@
+"""What labels and files take beside rendering: CPU time, for one spacecraft and for 300.
+
+A frame of 640x480 pixels with 16 samples: the colour alone; then every label in view; then the
+files of each format. Times are the process's CPU time on one thread, medians of some frames; ratios
+are to the colour alone. Frames are made once for all formats: files do not count rendering.
+"""
+
+from __future__ import annotations
+
+import argparse
+import statistics
+import time
+from collections.abc import Callable
+from typing import Any
+
+import report
+
+import perilune
+from perilune.export.writers.formats import record as records
+from perilune.export.writers.formats.folder import frame_of
+from perilune.export.writers.formats.info import folder_info
+from perilune.export.writers.formats.tables import FORMATS
+
+LABELS = ["depth", "normal", "semantic", "part", "instance", "objects", "masks"]
+MEASURED = ("coco", "yolo", "png", "npz", "exr", "webdataset")
+FRAMES = 4
+
+
+def scene(count: int) -> perilune.Simulation:
+    """The demo with this many of its satellites, on a lattice about the first."""
+    sim = perilune.open(report.ROOT / "configs/demo.yaml")
+    tree = dict(sim.document.tree)
+    ((name, craft),) = tree["spacecraft"].items()
+    crafts = {name: craft}
+    side = 1
+    while side**3 < count:
+        side += 1
+    places = [(i, j, k) for i in range(side) for j in range(side) for k in range(side)]
+    for number, (i, j, k) in enumerate(places[1:count], start=1):
+        orbit = dict(craft["orbit"])
+        orbit["altitude_km"] = 500.0 + 0.003 * (i + 1)
+        orbit["mean_anomaly_deg"] = 2e-5 * (j - side / 2)
+        orbit["inclination_deg"] = 51.6 + 2e-5 * (k - side / 2)
+        crafts[f"{name}_{number:03d}"] = {**craft, "orbit": orbit}
+    if count > 1:
+        first = dict(craft["orbit"])
+        first |= {"altitude_km": 500.0, "mean_anomaly_deg": 0.0, "inclination_deg": 51.6}
+        crafts[name] = {**craft, "orbit": first}
+    changes = {
+        "camera.width": 640,
+        "camera.height": 480,
+        "render.samples": 16,
+        "render.channels": ["rgb", *LABELS],
+    }
+    return perilune.open({**tree, "spacecraft": crafts}, overrides=changes, base=sim.document.base)
+
+
+def timed(task: Callable[[], Any]) -> tuple[float, Any]:
+    """CPU seconds of the process, and what came out."""
+    start = time.process_time()
+    result = task()
+    return time.process_time() - start, result
+
+
+def measure(count: int) -> dict[str, float]:
+    """Medians in seconds: colour, labels, and files by format."""
+    sim = scene(count)
+    crafts = list(sim.config.spacecraft)
+    times: dict[str, list[float]] = {}
+    sim.frame(0, ["rgb"], threads=1)
+    infos = {name: folder_info(FORMATS[name], sim, 1000, "train") for name in MEASURED}
+    for index in range(1, 1 + FRAMES):
+        colour, _ = timed(lambda index=index: sim.frame(index, ["rgb"], threads=1))
+        both, sample = timed(lambda index=index: sim.frame(index, ["rgb", *LABELS], threads=1))
+        times.setdefault("colour", []).append(colour)
+        times.setdefault("labels", []).append(max(both - colour, 0.0))
+        for name in MEASURED:
+
+            def encoded(sample: perilune.Sample = sample, name: str = name) -> Any:
+                base = records.record_of(sample, crafts)
+                frame = frame_of(infos[name], sample, {}, base)
+                return records.text_of({**base, "files": {}}), FORMATS[name].encode(
+                    infos[name], frame
+                )
+
+            spent, _ = timed(encoded)
+            times.setdefault(name, []).append(spent)
+        times.setdefault("seen", []).append(float((sample.objects["px_count_visib"] > 0).sum()))
+    return {name: statistics.median(values) for name, values in times.items()}
+
+
+def main() -> None:
+    """Prints a table a number of spacecraft."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--counts", type=int, nargs="+", default=[1, 300])
+    for count in parser.parse_args().counts:
+        found = measure(count)
+        colour = found.pop("colour")
+        print(f"{count} spacecraft, {found.pop('seen'):.0f} seen; colour {colour:.2f} s")
+        print("| what | s | of colour | with labels |")
+        print("| --- | --- | --- | --- |")
+        for name, seconds in found.items():
+            both = seconds + (0.0 if name == "labels" else found["labels"])
+            print(f"| {name} | {seconds:.3f} | {seconds / colour:.3f} | {both / colour:.3f} |")
+
+
+if __name__ == "__main__":
+    main()
