@@ -264,6 +264,30 @@ static bool has_suns_limb(const pl_path_context *context, uint32_t pixel) {
   return pl_vec3_dot(ray, toward) > 0.0 && fabs(off - (double)sun->sin_radius) < context->pixel_rad;
 }
 
+/* True if the centre ray of the pixel, or of a neighbour in the tile, meets nothing. */
+static bool sees_sky(const pl_path_context *context, const pl_tile_buffers *b, uint32_t pixel) {
+  const int x = (int)(pixel % PL_TILE_SIDE), y = (int)(pixel / PL_TILE_SIDE);
+  const int right = context->tile.width - 1, bottom = context->tile.height - 1;
+  for (int v = y > 0 ? y - 1 : 0; v <= y + 1 && v <= bottom; v++)
+    for (int u = x > 0 ? x - 1 : 0; u <= x + 1 && u <= right; u++)
+      if (pl_surface_is_none(b->points[v * PL_TILE_SIDE + u].surface_id))
+        return true;
+  return false;
+}
+
+void pl_path_keep_limb(const pl_path_context *context, pl_tile_buffers *b) {
+  size_t kept = 0, meshes = 0;
+  for (size_t i = 0; i < b->active_count; i++) {
+    const uint32_t pixel = b->active[i];
+    if (has_suns_limb(context, pixel) && sees_sky(context, b, pixel))
+      b->active[kept++] = pixel;
+    if (i + 1 == b->active_meshes)
+      meshes = kept;
+  }
+  b->active_count = kept;
+  b->active_meshes = meshes;
+}
+
 /* True if the pixel may contain something that the plan expects but a small number of samples may
  * miss. */
 static bool may_miss(const pl_path_context *context, const pl_tile_buffers *b, uint32_t pixel) {
@@ -291,7 +315,8 @@ void pl_path_adapt(const pl_path_context *context, pl_tile_buffers *b) {
     const bool early = n < least || n < (sees_mesh(context, pixel) ? MESH_MIN : BODY_MIN) ||
                        (n < outline && on_outline(context, b, pixel));
     if (early || !is_finished(context->settings, &moments, pixel, (float)n) ||
-        (n < samples && may_miss(context, b, pixel)))
+        (n < samples && may_miss(context, b, pixel)) ||
+        (has_suns_limb(context, pixel) && sees_sky(context, b, pixel)))
       b->active[kept++] = pixel;
     if (i + 1 == b->active_meshes)
       meshes = kept;

@@ -143,6 +143,12 @@ float pl_path_error_dn(const pl_render_settings *settings, float mean, float err
 /* Removes the pixels for which one sample is enough from the active list. */
 void pl_path_drop_single(pl_tile_buffers *buffers);
 
+/* Number of samples of a pixel that the sun's limb crosses, if noise is allowed at all: the disc is
+ * so bright that a thousandth of it in a pixel is white. */
+enum { PL_SUN_LIMB_SAMPLES = 1024 };
+/* Removes all pixels from the active list but those in which the sun's limb may be seen. */
+void pl_path_keep_limb(const pl_path_context *context, pl_tile_buffers *buffers);
+
 /* Removes the pixels with enough samples from the active list, see adaptive_sampling.c. All active
  * pixels must have the same number of samples. */
 void pl_path_adapt(const pl_path_context *context, pl_tile_buffers *buffers);

@@ -322,12 +322,16 @@ static pl_status sample_colour(const job *job, size_t item, int worker, const co
     draw_seeds(job, tile, b->seeds);
   const bool adaptive = is_adaptive(job);
   const int most = adaptive && samples > 1 ? MOST * samples : samples;
+  const bool limb = most > samples && most < PL_SUN_LIMB_SAMPLES && context.sun;
+  const int last = limb ? PL_SUN_LIMB_SAMPLES : most;
   int check = adaptive ? FIRST_CHECK : most;
-  for (int i = 0; i < most && b->active_count > 0; i++) {
+  for (int i = 0; i < last && b->active_count > 0; i++) {
     pl_path_sample(&context, (uint32_t)i, b);
     if (i == 0)
       pl_path_drop_single(b);
-    if (i + 1 != check || check == most)
+    if (limb && i + 1 == most)
+      pl_path_keep_limb(&context, b);
+    if (i + 1 != check || check >= most)
       continue;
     check *= 2;
     pl_path_adapt(&context, b);

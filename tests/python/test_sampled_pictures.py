@@ -99,3 +99,18 @@ def test_the_suns_limb_is_seen_by_a_sensor_alone(tree):
         seen.append(shown(perilune.open(limb).frame(0, ["raw"])["raw"]))
     assert np.count_nonzero(seen[0] > 250.0) >= 4
     assert (seen[1][seen[0] > 250.0] > 250.0).all()
+
+
+def test_slivers_of_the_suns_limb_are_not_missed(tree):
+    """Pixels of which the disc has a hundredth are white, and 16 samples meet it in some alone."""
+    limb = copy.deepcopy(tree)
+    limb["camera"] |= {"width": 96, "height": 72, "exposure": {"mode": "auto"}}
+    toward_sun = {"distance_m": [12, 14], "sun_angle_deg": [164, 168]}
+    limb["camera"]["trajectory"] = {"kind": "orbit_object", "target": "sat"} | toward_sun
+    seen = []
+    for samples in (1024, 16):
+        limb["render"] |= {"tolerance_dn": 1.0, "samples": samples, "max_bounces": 0}
+        limb["render"]["force_off"] = NOISELESS
+        seen.append(shown(perilune.open(limb).frame(0, ["raw"])["raw"]))
+    assert np.count_nonzero(seen[0] > 250.0) >= 6
+    np.testing.assert_array_equal(seen[0] > 250.0, seen[1] > 250.0)
