@@ -13,6 +13,7 @@ from PIL import Image
 
 from perilune import _core
 from perilune.document.references import pixel_channels
+from perilune.show.preview.overlays import OVERLAYS, render_overlay
 from perilune.show.preview.panels import Names
 from perilune.show.preview.sheet import draw_sheet
 
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
     from perilune.sample import Sample
     from perilune.simulation import Simulation
 
-__all__ = ["draw", "png_bytes", "render_sheet", "save"]
+__all__ = ["OVERLAYS", "draw", "png_bytes", "render_overlay", "render_sheet", "save"]
 
 
 def draw(sample: Sample, title: str = "", names: Names | None = None) -> NDArray[np.uint8]:

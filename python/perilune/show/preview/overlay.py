@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -35,6 +36,17 @@ def axes_px(R_m2c: F64, t_m2c: F64, bbox: NDArray[Any], camera: CameraLabel) -> 
     return _core.project(K, camera.lens, points.reshape(-1, 3)).reshape(3, _STEPS + 1, 2)
 
 
+def box_line(row: Any, placed: Callable[[Any], F64], edges: F64) -> Line:
+    """The visible box of an object, within a picture that ends at `edges`. placed: pixels of the
+    frame -> pixels of the picture."""
+    x, y, width, height = (float(value) for value in row["bbox_visib"])
+    color = colors.id_colors(np.array([row["instance_id"]]))[0]
+    left, top = placed(np.array([x - 0.5, y - 0.5])).clip(min=1.0)
+    right, bottom = placed(np.array([x + width + 0.5, y + height + 0.5])).clip(max=edges - 2.0)
+    corners = [(left, top), (right, top), (right, bottom), (left, bottom), (left, top)]
+    return Line(np.array(corners), color, _BOX_PX)
+
+
 def with_objects(picture: U8, objects: NDArray[Any], camera: CameraLabel, image_width: int) -> U8:
     """The picture with boxes and axes over it; it shows an image `image_width` pixels wide."""
     scale = picture.shape[1] / image_width
@@ -45,13 +57,7 @@ def with_objects(picture: U8, objects: NDArray[Any], camera: CameraLabel, image_
 
     found: list[Line] = []
     for row in objects[objects["px_count_visib"] > 0]:
-        x, y, width, height = (float(value) for value in row["bbox_visib"])
-        color = colors.id_colors(np.array([row["instance_id"]]))[0]
-        left, top = placed(np.array([x - 0.5, y - 0.5])).clip(min=1.0)
-        edges = np.array(picture.shape[1::-1]) - 2.0
-        right, bottom = placed(np.array([x + width + 0.5, y + height + 0.5])).clip(max=edges)
-        corners = [(left, top), (right, top), (right, bottom), (left, bottom), (left, top)]
-        found.append(Line(np.array(corners), color, _BOX_PX))
+        found.append(box_line(row, placed, np.array(picture.shape[1::-1], dtype=np.float64)))
         axes = placed(axes_px(row["R_m2c"], row["t_m2c"], row["bbox_visib"], camera))
         if np.isfinite(axes).all():
             for axis, axis_color in zip(axes, _AXIS_COLORS, strict=True):
