@@ -513,8 +513,8 @@ def test_every_physical_key_has_its_unit():
         "points",  # of discs
         "columns", "rows", "pulses", "steps", "pattern", "sub_rays", "instants", "max_returns",
         "min_intensity", "dropout", "intensity_noise", "contrast", "time_of_flight", "lidars",
-        "events", "on_threshold", "off_threshold", "mismatch", "max_halvings", "tolerance",
-        "tolerated_pixels",
+        "events", "dark_radiance_w_m2_sr", "on_threshold", "off_threshold",
+        "mismatch", "max_halvings", "tolerance", "tolerated_pixels",
         "albedo_contrast", "band", "offset", "reach", "at_rim",  # of maps, and of rays and blocks
     }  # fmt: skip
     schema = Config.model_json_schema()
