@@ -212,7 +212,7 @@ class FolderCheck:
 
 
 def _is_ground(name: str, row: Mapping[str, Any]) -> bool:
-    return row["kind"] == "table" and name != "objects"
+    return name in TABLES
 
 
 def _with_tables(info: Mapping[str, Any]) -> list[str]:

@@ -19,7 +19,7 @@ from perilune.export.writers.formats.base import (
     Record,
 )
 from perilune.export.writers.formats.channels import COLOR, Channel
-from perilune.export.writers.formats.keypoints import KEYPOINTS, keypoint_names, keypoints_of
+from perilune.export.writers.formats.keypoints import keypoint_names, keypoints_of
 from perilune.export.writers.formats.pixels import from_png, png
 from perilune.export.writers.formats.segments import Segment, segments
 
@@ -75,7 +75,7 @@ class Coco(Format):
 
     def holds(self, channel: Channel) -> bool:
         """Pictures, and what annotations tell."""
-        return channel.name in (*COLOR, "instance", "part", MASKS, KEYPOINTS)
+        return channel.name in (*COLOR, "instance", "part", MASKS)
 
     def encode(self, info: Info, frame: Frame) -> Encoded:
         """The picture and its panoptic ids; annotations for `finish`."""
