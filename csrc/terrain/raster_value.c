@@ -228,17 +228,14 @@ void pl_raster_bounds(const pl_raster *r, pl_raster_interpolation how, double *l
   *high = fmax(a, b) + beyond;
 }
 
-static double whole(double u, int count, bool low_open, bool high_open) {
-  const double nearest = rint(u), from = low_open ? nearest : fmax(nearest, 0.0);
-  return high_open ? from : fmin(from, count - 1.0);
-}
-
+/* Beyond the outermost rows is a pole, whose cap has the number of the row: between numbers of the
+ * other side there may be none. */
 bool pl_raster_nearest(const pl_raster *r, pl_vec3 direction, double *value) {
   double u, v;
   if (!pl_raster_find(r, direction, &u, &v))
     return false;
-  *value =
-      pl_raster_value(r, 0, whole(u, r->columns, r->wraps, r->wraps),
-                      whole(v, r->rows, r->crosses[0], r->crosses[1]), PL_INTERPOLATION_BILINEAR);
+  const double row = fmin(fmax(rint(v), 0.0), r->rows - 1.0);
+  const double column = r->wraps ? rint(u) : fmin(fmax(rint(u), 0.0), r->columns - 1.0);
+  *value = pl_raster_value(r, 0, column, row, PL_INTERPOLATION_BILINEAR);
   return true;
 }
