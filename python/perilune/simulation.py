@@ -183,6 +183,12 @@ class Simulation(RangeSensors):
         return self._mine().models
 
     @property
+    def keypoint_names(self) -> Mapping[str, tuple[str, ...]]:
+        """Spacecraft or body -> names of its keypoints or landmarks, in the order of
+        `Sample.keypoints`; without those that have none."""
+        return self._mine().keypoints.names
+
+    @property
     def shapes(self) -> Mapping[str, BodyShape]:
         """Body entry -> the mesh of its surface, for bodies with a shape; loads them."""
         return self._mine().shapes_of(self.config)

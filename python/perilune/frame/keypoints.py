@@ -184,6 +184,14 @@ class KeypointSet:
         for row, (owner, name) in zip(self._named, names, strict=True):
             row["name"], row["object"], row["instance_id"] = name, owner, instances[owner]
 
+    @property
+    def names(self) -> dict[str, tuple[str, ...]]:
+        """Spacecraft or body -> names of its keypoints, in the order of rows; none without any."""
+        found: dict[str, list[str]] = {}
+        for row in self._named:
+            found.setdefault(str(row["object"]), []).append(str(row["name"]))
+        return {owner: tuple(names) for owner, names in found.items()}
+
     def rows(self, world: World, scales: Mapping[str, float]) -> F64:
         """(n, 6): what the core is asked in a frame. scales: metres per model unit."""
         config, rows = world.config, []

@@ -126,7 +126,14 @@ def small_scene(tmp_path_factory):
                 "albedo": [0.2, 0.3, 0.4],
             }
         },
-        "spacecraft": {"probe": {"model": "probe.glb", "size_m": 4.0, "orbit": orbit}},
+        "spacecraft": {
+            "probe": {
+                "model": "probe.glb",
+                "size_m": 4.0,
+                "orbit": orbit,
+                "keypoints": {"points": {"nose": [0.9, 0.0, 0.4], "tail": [-0.9, 0.2, -0.4]}},
+            }
+        },
         "camera": {
             "width": 96,
             "height": 72,

@@ -24,7 +24,7 @@ from perilune.export.writers.formats.segments import segments
 WIDTH, HEIGHT = 96, 72
 FRAMES = range(4)
 CHANNELS = ["rgb", "depth", "semantic", "part", "instance", "objects", "masks", "normal", "flow"]
-CHANNELS += ["flow_occlusion", "radiance", "range", "position"]
+CHANNELS += ["flow_occlusion", "radiance", "range", "position", "keypoints"]
 
 
 @pytest.fixture(scope="module")

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from perilune.document.references import MASKS
+from perilune.document.references import KEYPOINTS, MASKS
 from perilune.export.writers.bop_labels import DATE
 from perilune.export.writers.formats.base import (
     Array,
@@ -19,9 +19,10 @@ from perilune.export.writers.formats.base import (
     Record,
 )
 from perilune.export.writers.formats.channels import COLOR, Channel
-from perilune.export.writers.formats.keypoints import keypoint_names, keypoints_of
+from perilune.export.writers.formats.keypoints import keypoint_names, keypoints_of, of_classes
 from perilune.export.writers.formats.pixels import from_png, png
 from perilune.export.writers.formats.segments import Segment, segments
+from perilune.simulation import Simulation
 
 _MOST = 100_000
 """Ids of annotations: the frame's index times this, and its number in the frame."""
@@ -75,7 +76,11 @@ class Coco(Format):
 
     def holds(self, channel: Channel) -> bool:
         """Pictures, and what annotations tell."""
-        return channel.name in (*COLOR, "instance", "part", MASKS)
+        return channel.name in (*COLOR, "instance", "part", MASKS, KEYPOINTS)
+
+    def describe(self, sim: Simulation) -> dict[str, Any]:
+        """Names of keypoints."""
+        return of_classes(self.name, sim)
 
     def encode(self, info: Info, frame: Frame) -> Encoded:
         """The picture and its panoptic ids; annotations for `finish`."""
@@ -150,9 +155,8 @@ class Coco(Format):
         """The files of annotations, written as they are read: there may be many frames."""
         split, taxonomy = info["split"], info["taxonomy"]
         objects = categories(crafts(info), "spacecraft")
-        names = keypoint_names(info)
-        if names:
-            for row in objects:
+        for row in objects:
+            if names := keypoint_names(info, row["name"]):
                 row |= {"keypoints": names, "skeleton": []}
         yield (
             f"annotations/instances_{split}.json",

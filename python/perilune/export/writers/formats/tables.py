@@ -13,12 +13,14 @@ from perilune.export.writers.formats.png import Png
 from perilune.export.writers.formats.speed import Speed
 from perilune.export.writers.formats.webdataset import WebDataset
 from perilune.export.writers.formats.yolo import Yolo, YoloSegment
+from perilune.export.writers.formats.yolo_pose import YoloPose
 
 _ROWS: tuple[Format, ...] = (
     BopWebDataset(),
     Coco(),
     Yolo(),
     YoloSegment(),
+    YoloPose(),
     Speed(),
     KittiFlow(),
     Png(),

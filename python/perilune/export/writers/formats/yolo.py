@@ -20,7 +20,7 @@ from perilune.export.writers.formats.base import (
 )
 from perilune.export.writers.formats.channels import COLOR, Channel
 from perilune.export.writers.formats.coco import crafts
-from perilune.export.writers.formats.keypoints import KEYPOINTS, keypoint_names, keypoints_of
+from perilune.export.writers.formats.keypoints import Keypoints, keypoints_of
 from perilune.export.writers.formats.pixels import from_png, png
 from perilune.export.writers.formats.segments import Segment, segments
 from perilune.simulation import Simulation
@@ -71,7 +71,7 @@ class Yolo(Format):
         """Further keys of data.yaml."""
         return {}
 
-    def line(self, segment: Segment, row: Mapping[str, Any], points: Mapping[str, Any]) -> str:
+    def line(self, info: Info, segment: Segment, points: Keypoints | None) -> str:
         """What follows the class of an object."""
         return box_text(segment)
 
@@ -81,7 +81,8 @@ class Yolo(Format):
         classes = {row["name"]: numbers[row["class"]] for row in crafts(info)}
         found, points = segments(frame.arrays["instance"]), keypoints_of(frame)
         lines = [
-            f"{classes[row['name']]} {self.line(found[row['instance_id']], row, points)}\n"
+            f"{classes[row['name']]} "
+            f"{self.line(info, found[row['instance_id']], points.get(row['name']))}\n"
             for row in frame.record["objects"]
             if row["instance_id"] in found
         ]
@@ -149,7 +150,7 @@ class YoloSegment(Yolo):
             raise ConfigError(text) from None
         return {}
 
-    def line(self, segment: Segment, row: Mapping[str, Any], points: Mapping[str, Any]) -> str:
+    def line(self, info: Info, segment: Segment, points: Keypoints | None) -> str:
         """Outlines of all pieces, one after the other, as YOLO joins them. Holes are filled."""
         height, width = segment.size
         corners = np.concatenate(outlines(segment))
@@ -174,30 +175,3 @@ def outlines(segment: Segment) -> list[Array]:
     return [
         p if len(p) > 2 else np.concatenate([p, np.repeat(p[-1:], 3 - len(p), 0)]) for p in pieces
     ]
-
-
-class YoloPose(Yolo):
-    """Boxes and keypoints."""
-
-    name = "yolo-pose"
-    doc = "Ultralytics YOLO: boxes and keypoints of spacecraft"
-    layout = Yolo.layout.replace("width, height,", "width, height, x, y, visibility of keypoints,")
-    needs = ("picture", "instance", "objects", KEYPOINTS)
-
-    def holds(self, channel: Channel) -> bool:
-        """Pictures, instances and keypoints."""
-        return super().holds(channel) or channel.name == KEYPOINTS
-
-    def more(self, info: Info) -> dict[str, Any]:
-        """Number of keypoints, each with x, y and visibility."""
-        return {"kpt_shape": [len(keypoint_names(info)), 3]}
-
-    def line(self, segment: Segment, row: Mapping[str, Any], points: Mapping[str, Any]) -> str:
-        """Box and keypoints; those that are not in the picture are 0 0 0."""
-        height, width = segment.size
-        own = points[row["name"]]
-        words = [box_text(segment)]
-        for (x, y), v in zip(own.pixels, own.visibility, strict=True):
-            shares = ((x + 0.5) / width, (y + 0.5) / height) if v else (0.0, 0.0)
-            words.append(f"{_number(shares[0])} {_number(shares[1])} {v}")
-        return " ".join(words)
