@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
 import perilune
-from perilune.show.preview.colors import colored_ids
+from perilune.base.colors import colored_ids
 
 U8 = NDArray[np.uint8]
 ROOT = Path(__file__).resolve().parents[2]

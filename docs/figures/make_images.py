@@ -8,7 +8,7 @@ import numpy as np
 
 import perilune
 from perilune import _core
-from perilune.show.preview.colors import colored_ids
+from perilune.base.colors import colored_ids
 
 ROOT = Path(__file__).resolve().parents[2]
 FRAMES = (3, 0, 2)

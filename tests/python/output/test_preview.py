@@ -10,10 +10,11 @@ from PIL import Image
 
 import perilune
 from perilune import _core
+from perilune.base import colors
 from perilune.frame.request import object_dtype
 from perilune.sample import CameraLabel, Sample
 from perilune.show import notebook, preview
-from perilune.show.preview import canvas, colors, overlay, panels, sheet
+from perilune.show.preview import canvas, overlay, panels, sheet
 
 
 def make_sample(width=64, height=48, empty=False, channels=None):

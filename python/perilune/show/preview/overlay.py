@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perilune import _core
+from perilune.base import colors
 from perilune.camera.label import CameraLabel
-from perilune.show.preview import colors
 from perilune.show.preview.canvas import Line, draw_lines
 
 U8 = NDArray[np.uint8]

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perilune import _core
-from perilune.base import rotations
+from perilune.base import colors, rotations
 from perilune.config.errors import nearest
-from perilune.show.preview import canvas, colors
+from perilune.show.preview import canvas
 from perilune.show.preview.canvas import Line
 from perilune.show.preview.overlay import axes_px, box_line
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from perilune.show.preview import colors
+from perilune.base import colors
 
 U8 = NDArray[np.uint8]
 Array = NDArray[Any]

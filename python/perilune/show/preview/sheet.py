@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perilune import _core
+from perilune.base import colors
 from perilune.document.references import MASKS
-from perilune.show.preview import canvas, colors
+from perilune.show.preview import canvas
 from perilune.show.preview.canvas import Canvas, shortened, text_width
 from perilune.show.preview.overlay import with_objects
 from perilune.show.preview.panels import Context, Names, Panel, channel_panels

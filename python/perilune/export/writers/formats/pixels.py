@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perilune import _core
+from perilune.base.colors import id_colors
 from perilune.export.writers.formats.base import Array
 from perilune.export.writers.formats.channels import IMAGE, Channel
 from perilune.export.writers.whole import png_chunks
-from perilune.show.preview.colors import id_colors
 
 PNG_LEVEL = 6
 IDS = ("semantic", "part", "instance", "hazard", "shadow")

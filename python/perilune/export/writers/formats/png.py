@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 
+from perilune.base.colors import id_colors
 from perilune.document.references import MASKS, OBJECTS
 from perilune.export.writers.bop_files import MM_PER_M, depth_scale_mm, encode_depth
 from perilune.export.writers.formats.base import Array, Encoded, Files, Format, Frame, Info, Record
 from perilune.export.writers.formats.channels import STACK, Channel
 from perilune.export.writers.formats.pixels import IDS, fits_png, from_png, ids_image, png
-from perilune.show.preview.colors import id_colors
 from perilune.simulation import Simulation
 
 _LENGTHS = ("depth", "range")

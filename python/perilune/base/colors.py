@@ -1,4 +1,4 @@
-"""Colours of the preview sheet: a perceptual ramp, a stable palette for ids, scaling of values."""
+"""Colours of labels and values: a perceptual ramp, a stable palette for ids, scaling of values."""
 
 from dataclasses import dataclass
 from functools import lru_cache
