@@ -77,14 +77,14 @@ static void set_init(set *s) {
   s->stage.scene.bodies[0].map = s->map;
   s->stage.placement.sun.position_m = (pl_vec3){0.5e11, -1.2e11, -0.7e11};
   smoke_init(s);
-  s->other.placement = s->stage.placement;
+  s->other = (pl_other_frame){.placement = s->stage.placement};
 }
 
 /* Lets the camera and a cube move while the shutter is open, row by row. */
 static void set_move(set *s) {
   s->stage.placement.shutter = (pl_shutter){.exposure_s = 0.02, .line_s = 0.001};
   s->stage.placement.camera.motion.close.t.x = 0.2;
-  s->other.placement = s->stage.placement;
+  s->other = (pl_other_frame){.placement = s->stage.placement};
   s->stage.objects[0].motion.close.t.y += 0.1;
 }
 
