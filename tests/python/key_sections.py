@@ -451,8 +451,8 @@ THINGS = [
     Section(
         Keypoints,
         (*AT_CRAFT, "keypoints"),
-        {"points": {"centre": [0.0, 0.0, 0.0]}},
-        {"nodes": ["panel_left"], "file": "points.csv"},
+        {"points": {"inside": [5e4, 0.0, -1e4]}},
+        {"nodes": ["panel_left"], "file": "points.csv", "depth_m": 1e9},
     ),
     Section(Spacecraft, AT_CRAFT, CRAFT | {"model": "graphs.glb"}, {"model_graphs": False}),
     Section(Spacecraft, AT_CRAFT, CRAFT | {"model": "melted.glb"}, {"crease_angle_deg": 180.0}),
