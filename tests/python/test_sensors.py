@@ -266,7 +266,7 @@ def test_mountings_are_rigid(position, angles):
     )
     q = rotations.from_rpy_deg([20, 50, -70])
     platform = np.array([[1.0, -2.0, 3.0, *q], [4.0, 5.0, 6.0, *q]])
-    opening, closing = trajectories.mounted(platform, sensor)
+    opening, closing = trajectories.mounted(platform, sensor.transformation)
     for pose, own in ((opening, platform[0]), (closing, platform[1])):
         assert abs(np.linalg.norm(pose[:3] - own[:3]) - np.linalg.norm(position)) < 1e-12
         assert abs(np.linalg.norm(pose[3:]) - 1.0) < 1e-12

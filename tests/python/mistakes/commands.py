@@ -43,7 +43,7 @@ COMMANDS: list[tuple[str, int, list[str]]] = [
     (RENDER + " --frames 0:1 --seed -1", 2, ["--seed", "-1"]),
     (RENDER + " --frames 0:1 --threads 0", 2, ["--threads", "0", "at least 1"]),
     (RENDER + " --frames 0:1 --threads many", 2, ["--threads", "'many'"]),
-    (RENDER + " --frames 0:1 --format coco", 2, ["--format", "'coco'", "allowed: bop"]),
+    (RENDER + " --frames 0:1 --format coko", 2, ["--format", "'coko'", "did you mean 'coco'"]),
     (RENDER + " --frames 0:1 --shard 2/2", 2, ["--shard", "'2/2'", "K/N"]),
     (RENDER + " --frames 0:1 --shard 1", 2, ["--shard", "'1'", "K/N"]),
     (RENDER + " --frames 0:1 --chunk-size 0", 2, ["--chunk-size", "0"]),

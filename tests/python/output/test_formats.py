@@ -59,7 +59,7 @@ def source(small_scene):
 @pytest.fixture(scope="module")
 def canned(source):
     """Format -> a simulation that asks for what it can hold; frames are rendered once for all."""
-    every = [*CHANNELS]
+    every = [*CHANNELS, "keypoints"]
     samples = Canned(source, range(4), every)
 
     def of(name):

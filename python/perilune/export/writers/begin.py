@@ -1,8 +1,9 @@
-"""Checks the arguments of write_bop, and that the folder is free for the dataset."""
+"""Checks the arguments of writers, and that the folder is free for the dataset."""
 
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -16,6 +17,7 @@ from perilune.export.writers.files import SOURCE_FILE
 
 _SHOWN_CHANGES = 5
 _SHOWN = 60
+_SPLIT = re.compile(r"[a-z0-9]+(_[a-z0-9]+)?")
 
 
 def check_simulation(sim: Any) -> None:
@@ -54,6 +56,14 @@ def as_range(frames: Any) -> range:
 
 def _described(value: Any) -> str:
     return f"the number {value}" if isinstance(value, int) else f"a {type(value).__name__}"
+
+
+def check_split(split: str) -> None:
+    """ValueError for a name that is none of a split: it is part of files' names."""
+    if not _SPLIT.fullmatch(split):
+        raise ValueError(
+            f"split: {split!r} must be lower-case letters and digits, with one '_' before a type"
+        )
 
 
 def check_folder(out: Any) -> Path:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -13,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perilune import _core
-from perilune.export.writers.begin import check_folder
 from perilune.export.writers.bop_channels import TABLES, ChannelFiles, channel_files, pictures
 from perilune.export.writers.bop_files import (
     MM_PER_M,
@@ -57,7 +55,6 @@ _log = logging.getLogger(__name__)
 LABELS = ("depth", "instance", "objects", "masks")
 """Channels rendered for a frame in addition to its pictures."""
 DEFAULT_CHUNK = 1000
-_SPLIT = re.compile(r"[a-z0-9]+(_[a-z0-9]+)?")
 _MASK_ON = np.uint8(255)
 
 
@@ -292,13 +289,6 @@ class Job:
         finish(self.root)
 
 
-def _check_split(split: str) -> None:
-    if not _SPLIT.fullmatch(split):
-        raise ValueError(
-            f"split: {split!r} must be lower-case letters and digits, with one '_' before a type"
-        )
-
-
 def _write_source(
     sim: Simulation, root: Path, chunk_size: int, split: str, begin: Callable[[], object] | None
 ) -> dict[int, BopModel]:
@@ -344,7 +334,6 @@ def open_job(
 
 def open_bop(begun: Begun) -> Job:
     """Opens a BOP dataset, for write_datasets."""
-    _check_split(begun.split)
     return open_job(begun.sim, begun.root, begun.chunk_size, begun.split, begun.lock)
 
 
@@ -390,7 +379,7 @@ def write_bop(
     return write_datasets(
         sim,
         frames,
-        {check_folder(out): open_bop},
+        [(out, open_bop)],
         chunk_size=chunk_size,
         threads=threads,
         split=split,

@@ -10,7 +10,7 @@ from typing import Any, Protocol
 
 from numpy.typing import NDArray
 
-from perilune.export.writers.begin import as_range, check_folder, check_simulation
+from perilune.export.writers.begin import as_range, check_folder, check_simulation, check_split
 from perilune.export.writers.lock import locked
 from perilune.export.writers.queue import WriteQueue
 from perilune.export.writers.shards import Note, Shard, check_frames, shard_chunks
@@ -171,7 +171,7 @@ class _Told:
 def write_datasets(
     sim: Simulation,
     frames: range | Sequence[int],
-    openers: Mapping[Path, Opener],
+    openers: Sequence[tuple[str | Path, Opener]],
     *,
     chunk_size: int,
     threads: int | None,
@@ -179,19 +179,20 @@ def write_datasets(
     shard: Shard | None,
     progress: Progress | None,
 ) -> WriteReport:
-    """Writes the same frames to several folders (folder -> format) in one pass of rendering.
+    """Writes the same frames to several folders (each with its format) in one pass of rendering.
 
     The report's folder is the first one; a frame counts as written if any of them lacked it."""
     check_simulation(sim)
     frames = as_range(frames)
     check_frames(frames, chunk_size, shard or (0, 1))
-    roots = [check_folder(root) for root in openers]
+    check_split(split)
+    roots = [check_folder(out) for out, _ in openers]
     images_of = shard_chunks(frames, chunk_size, shard or (0, 1))
     scenes = None if shard is None else list(images_of)
     with ExitStack() as held:
         datasets = [
             opener(Begun(sim, root, chunk_size, split, held, scenes))
-            for root, opener in zip(roots, openers.values(), strict=True)
+            for root, (_, opener) in zip(roots, openers, strict=True)
         ]
         kept, total = _look(datasets, images_of, chunk_size)
         for each in datasets:

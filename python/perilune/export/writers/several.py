@@ -58,8 +58,8 @@ def write_formats(
     table: all formats, for errors. For all else see write_bop."""
     check_simulation(sim)
     check_held(sim, writers, table)
-    root = Path(out)
-    folders = {root if len(writers) == 1 else root / row.name: row.opener for row in writers}
+    several = len(writers) > 1
+    folders = [(Path(out) / row.name if several else out, row.opener) for row in writers]
     report = write_datasets(
         sim,
         frames,
@@ -70,7 +70,7 @@ def write_formats(
         shard=shard,
         progress=progress,
     )
-    return WriteReport(root, report.written, report.kept)
+    return WriteReport(Path(out), report.written, report.kept)
 
 
 def writer_of(fmt: Format, table: Callable[[], Mapping[str, Writer]]) -> Writer:

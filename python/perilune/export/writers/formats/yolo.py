@@ -113,12 +113,17 @@ class Yolo(Format):
             shares = line[1:]
             if line[0] not in range(len(class_numbers(info))):
                 yield f"object '{row['name']}': {name} has the unknown class {line[0]:g}"
-            if not ((shares >= 0) & (shares <= 1)).all():
+            inside = self.shares(shares)
+            if not ((inside >= 0) & (inside <= 1)).all():
                 yield f"object '{row['name']}': {name} has numbers outside of [0, 1]"
             x, y, w, h = row["bbox_visib"]
             stated = np.array([x, y, x + w + 1, y + h + 1])
             if np.abs(self.bounds(shares, size) - stated).max() > 0.01:
                 yield f"object '{row['name']}': {name} is not about its pixels"
+
+    def shares(self, numbers: Array) -> Array:
+        """Those of a line's numbers that are shares of the picture."""
+        return numbers
 
     def bounds(self, shares: Array, size: Array) -> Array:
         """Left, top, right, bottom, pixels, that a line tells of."""

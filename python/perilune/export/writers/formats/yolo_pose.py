@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 from perilune.config.errors import ConfigError
 from perilune.document.references import KEYPOINTS
-from perilune.export.writers.formats.base import Info
+from perilune.export.writers.formats.base import Array, Info
 from perilune.export.writers.formats.channels import Channel
 from perilune.export.writers.formats.keypoints import (
     OF_CLASSES,
@@ -54,6 +56,10 @@ class YoloPose(Yolo):
             at = ((x + 0.5) / width, (y + 0.5) / height) if v else (0.0, 0.0)
             words.append(f"{at[0]:.9g} {at[1]:.9g} {v}")
         return " ".join(words + ["0 0 0"] * (1 + _most(info) - len(words)))
+
+    def shares(self, numbers: Array) -> Array:
+        """All but visibilities."""
+        return np.concatenate([numbers[:4], numbers[4:].reshape(-1, 3)[:, :2].ravel()])
 
 
 def _most(info: Info) -> int:
