@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import os
 import shutil
 
@@ -95,7 +96,9 @@ def test_a_merge_goes_on_from_any_operation(sim, truth, tmp_path, monkeypatch, k
         def copy(source, copied):
             shutil.copyfile(source, copied)
 
-        monkeypatch.setattr("perilune.export.writers.merge._copy", copy)
+        # The package has a function of the module's name.
+        merging = importlib.import_module("perilune.export.writers.merge")
+        monkeypatch.setattr(merging, "_copy", copy)
 
     def begin():
         shutil.rmtree(target, ignore_errors=True)
