@@ -39,6 +39,7 @@ def crowd(root, maps):
     behind = {**sat, "model": str(root / "assets/models/tango_like.glb"), "size_m": 3.0}
     behind["orbit"] = {**sat["orbit"], "mean_anomaly_deg": 20.00003}
     tree["spacecraft"]["other"] = behind
+    sat["keypoints"] = {"nodes": ["panel_left", "high_gain_antenna"]}
     sat["articulation"] = [
         {"node": "panel_left", "axis": [0, 1, 0], "normal": [1, 0, 0], "towards": "sun"},
         {"node": "panel_right_2", "axis": [0, 1, 0], "rate_deg_s": 3.0},
@@ -58,6 +59,9 @@ def demo(root, maps):
     for craft in tree["spacecraft"].values():
         craft["model"] = str((root / "configs" / craft["model"]).resolve())
     planet = tree["bodies"]["planet"]
+    planet["landmarks"] = {
+        f"{lon}": {"lon_deg": float(lon), "lat_deg": 20.0} for lon in range(0, 360, 30)
+    }
     for section, key in ((planet, "color_map"), (planet["clouds"], "map")):
         section[key] = str(maps / Path(section[key]).with_suffix(".png").name)
     for material in tree["materials"].values():
@@ -91,7 +95,7 @@ def sim(tree):
 def hashes(sample):
     """SHA-256 of every array of a sample, labels and camera too, by name."""
     arrays = dict(sample.items())
-    arrays["objects"] = sample.objects
+    arrays |= {"objects": sample.objects, "keypoints": sample.keypoints}
     arrays |= {name: getattr(sample.camera, name) for name in ("K", "R_w2c", "t_w2c")}
     result = {}
     for name, array in arrays.items():
