@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perilune import _core
+from perilune.document.references import KEYPOINTS
 from perilune.export.writers.bop_channels import TABLES, ChannelFiles, channel_files, pictures
 from perilune.export.writers.bop_files import (
     MM_PER_M,
@@ -295,6 +296,12 @@ def _write_source(
     """Writes the description of the simulation; refuses the folder of another one."""
     refuse_unfit(sim)
     models = bop_models(sim)
+    if KEYPOINTS in sim.config.render.channels:
+        _log.warning(
+            "%s: render.channels: scene folders of BOP have no place for 'keypoints'; coco, "
+            "yolo-pose, npz, webdataset and hdf5 hold them",
+            sim.document.source,
+        )
     if not models:
         _log.warning(
             "%s: spacecraft: there is none, so the dataset has no model, pose, mask or annotation; "
