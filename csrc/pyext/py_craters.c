@@ -55,6 +55,7 @@ static int frame_of(PyObject *settings, pl_crater_frame *frame, double **table) 
                  {"diffusivity_exponent", &frame->diffusivity_exponent},
                  {"ellipticity", &frame->ellipticity},
                  {"irregularity", &frame->irregularity},
+                 {"terraces", &frame->terraces},
                  {"model_posts", &frame->model_posts},
                  {"ray_brightness", &frame->rays.brightness},
                  {"ray_fade_ga", &frame->rays.fade_ga},

@@ -3,7 +3,7 @@
 #include "math/philox.h"
 
 /* What random numbers are for, behind those of pl_scatter_draw. */
-enum { FOR_AGE = 2, FOR_RADIUS, FOR_HEIGHT };
+enum { FOR_AGE = 2, FOR_RADIUS, FOR_HEIGHT, FOR_TERRACES };
 
 /* Sets the range of coordinate k: as longitudes about the other axis. `across` and `outward` are
  * the components of the cone's axis along the coordinate and out of the face. */
@@ -50,10 +50,36 @@ typedef struct cell_visit {
   pl_scatter_window window; /* on a face, for the largest crater of an octave */
 } cell_visit;
 
+double pl_crater_left(const pl_crater_field *field, const pl_crater_model *model, pl_vec3 direction,
+                      double diameter_m) {
+  const double posts = field->frame.model_posts;
+  if (model == NULL || model->left == NULL || diameter_m < posts * model->least_spacing_m)
+    return 1.0;
+  return model->left(model->context, direction, diameter_m, posts);
+}
+
+/* Whether models show a crater: its centre, and its rim on all sides. */
 static bool modelled(const cell_visit *at, const pl_scatter_site *site) {
+  enum { SIDES = 8 };
   const pl_crater_model *model = at->query->model;
-  return model != NULL && site->diameter_m >= at->field->frame.model_posts *
-                                                  model->spacing_m(model->context, site->direction);
+  const pl_vec3 d = site->direction;
+  if (model == NULL)
+    return false;
+  if (model->left == NULL)
+    return site->diameter_m >= at->field->frame.model_posts * model->spacing_m(model->context, d);
+  if (pl_crater_left(at->field, model, d, site->diameter_m) > 0.0)
+    return false;
+  const pl_vec3 other = fabs(d.z) < 0.7 ? (pl_vec3){0.0, 0.0, 1.0} : (pl_vec3){1.0, 0.0, 0.0};
+  const pl_vec3 a = pl_vec3_unit(pl_vec3_cross(other, d)), b = pl_vec3_cross(d, a);
+  const double radius = 0.5 * site->diameter_m / at->field->frame.radius_m;
+  for (int k = 0; k < SIDES; k++) {
+    const double turn = 2.0 * PL_PI * k / SIDES;
+    const pl_vec3 side = pl_vec3_madd(pl_vec3_scale(a, cos(turn)), sin(turn), b);
+    const pl_vec3 rim = pl_vec3_madd(pl_vec3_scale(d, cos(radius)), sin(radius), side);
+    if (pl_crater_left(at->field, model, rim, site->diameter_m) > 0.0)
+      return false;
+  }
+  return true;
 }
 
 static pl_status visit_site(const cell_visit *at, const pl_scatter_site *site) {
@@ -169,9 +195,45 @@ void pl_crater_draw_shape(const pl_crater_field *field, const pl_scatter_site *s
     harmonic(words[k], HEIGHT_AMPLITUDE * scale / (k + 1), draw->height[k]);
 }
 
+/* Terraces are 2 to 4; all these by eye. */
+#define TREADS 0.75
+#define WANDER 0.4
+#define COME 0.7
+
+void pl_crater_draw_terraces(const pl_crater_field *field, const pl_scatter_site *site,
+                             double footprint_m, pl_crater_draw *draw) {
+  const double diameter_m = site->diameter_m;
+  draw->terraces = (pl_crater_terraces){.count = 0};
+  const double complex = pl_crater_complex(diameter_m);
+  if (!(complex > 0.0 && field->frame.terraces > 0.0))
+    return;
+  uint64_t words[4];
+  pl_scatter_words(&field->scatter, site->id, FOR_TERRACES, words);
+  pl_crater_terraces *out = &draw->terraces;
+  out->count = 2 + (int)(3.0 * pl_philox_double(words[0]));
+  out->floor = pl_crater_fresh(diameter_m).floor;
+  /* Waves of a length wear off by diffusion at their rate, with the diffusivity of their size. */
+  const double step = (1.0 - out->floor) / out->count, wave = 2.0 * PL_PI / step;
+  const double slower = pow(0.5 * step, field->frame.diffusivity_exponent);
+  out->depth = TREADS * field->frame.terraces * complex * exp(-wave * wave * draw->tau * slower) *
+               pl_crater_fade(0.5 * step * diameter_m, footprint_m);
+  for (int k = 0; k < PL_CRATER_TERRACE_ORDERS; k++) {
+    pl_scatter_words(&field->scatter, site->id, FOR_TERRACES + 1 + (uint64_t)k, words);
+    harmonic(words[0], WANDER, out->wander[k]);
+    harmonic(words[1], COME / (k + 1), out->come[k]);
+  }
+}
+
 static double smooth(double t) {
   t = fmin(fmax(t, 0.0), 1.0);
   return t * t * (3.0 - 2.0 * t);
+}
+
+double pl_crater_fade(double diameter_m, double footprint_m) {
+  if (diameter_m >= PL_CRATER_FADE_TO * footprint_m)
+    return 1.0;
+  return smooth((diameter_m / footprint_m - PL_CRATER_FADE_FROM) /
+                (PL_CRATER_FADE_TO - PL_CRATER_FADE_FROM));
 }
 
 double pl_crater_erasure(double younger_m, double older_m) {

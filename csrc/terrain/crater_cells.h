@@ -7,7 +7,17 @@
 #include "terrain/scatter.h"
 
 /* Harmonics of the rim's radius, from order 2 on, and of its height, from order 1 on. */
-enum { PL_CRATER_RADIUS_ORDERS = 4, PL_CRATER_HEIGHT_ORDERS = 3 };
+enum { PL_CRATER_RADIUS_ORDERS = 4, PL_CRATER_HEIGHT_ORDERS = 3, PL_CRATER_TERRACE_ORDERS = 4 };
+
+/* Terraces of a wall. They are not circles: they come and go with the azimuth. */
+typedef struct pl_crater_terraces {
+  int count;    /* 0: none */
+  double depth; /* by how much their treads are flatter than the wall, 0 to 1 */
+  double floor; /* radius over R at which the wall begins */
+  /* By azimuth, cosine and sine amplitudes from order 1 on: by how many steps they lie further
+   * inwards, and by how much they are deeper than on the mean, over it. */
+  double wander[PL_CRATER_TERRACE_ORDERS][2], come[PL_CRATER_TERRACE_ORDERS][2];
+} pl_crater_terraces;
 
 struct pl_crater_field {
   pl_crater_frame frame;
@@ -47,13 +57,24 @@ typedef struct pl_crater_draw {
   double offset[2];     /* of the floor along major and minor, over R */
   /* cosine and sine amplitudes by order */
   double radius[PL_CRATER_RADIUS_ORDERS][2], height[PL_CRATER_HEIGHT_ORDERS][2];
+  pl_crater_terraces terraces;
 } pl_crater_draw;
 /* Rank of its age among the craters of its size, from 0 (the youngest) to 1. */
 double pl_crater_draw_rank(const pl_crater_field *field, const pl_scatter_site *site);
 void pl_crater_draw_age(const pl_crater_field *field, const pl_scatter_site *site,
                         pl_crater_draw *draw); /* age_ga and tau */
 void pl_crater_draw_shape(const pl_crater_field *field, const pl_scatter_site *site,
-                          pl_crater_draw *draw); /* the others */
+                          pl_crater_draw *draw); /* the others, but terraces */
+/* Draws the terraces of a crater of known age, as far as a footprint (m) shows them. */
+void pl_crater_draw_terraces(const pl_crater_field *field, const pl_scatter_site *site,
+                             double footprint_m, pl_crater_draw *draw);
+
+/* How much of a crater of a size shows on a mesh with cells of a footprint, [0, 1]. */
+double pl_crater_fade(double diameter_m, double footprint_m);
+
+/* Share of a crater that is drawn in a direction beside what models show; 1 without. */
+double pl_crater_left(const pl_crater_field *field, const pl_crater_model *model, pl_vec3 direction,
+                      double diameter_m);
 
 /* Sets depth_m and rim_m by diameter_m and tau. */
 void pl_crater_measure(const pl_crater_field *field, pl_crater *crater);

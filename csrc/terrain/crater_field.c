@@ -6,6 +6,7 @@
 
 #define ELLIPTICITY_MOST 0.6
 #define IRREGULARITY_MOST 3.0
+#define TERRACES_MOST 1.0
 #define RAYS_BRIGHTEST 4.0
 #define RAYS_OLDEST_GA 4.5
 #define RAYS_SHORTEST 3.0
@@ -22,6 +23,7 @@ pl_crater_frame pl_crater_frame_default(double radius_m) {
       .diffusivity_m2_per_myr = 5.5,
       .diffusivity_exponent = 0.9,
       .irregularity = 1.0,
+      .terraces = 1.0,
       .model_posts = 6.0,
       .rays = {.brightness = 0.0, .fade_ga = 1.0, .reach = 8.0}};
 }
@@ -40,6 +42,9 @@ static pl_status check_frame(const pl_crater_frame *frame) {
   if (!(frame->irregularity >= 0.0 && frame->irregularity <= IRREGULARITY_MOST))
     return pl_fail(PL_E_RANGE, "irregularity %g of craters; must be from 0 to %g",
                    frame->irregularity, IRREGULARITY_MOST);
+  if (!(frame->terraces >= 0.0 && frame->terraces <= TERRACES_MOST))
+    return pl_fail(PL_E_RANGE, "terraces %g of craters; must be from 0 to %g", frame->terraces,
+                   TERRACES_MOST);
   if (!(frame->model_posts > 0.0 && isfinite(frame->model_posts)))
     return pl_fail(PL_E_RANGE, "model_posts = %g of craters; must be above 0", frame->model_posts);
   const pl_crater_rays *rays = &frame->rays;

@@ -38,13 +38,15 @@ typedef struct pl_crater_frame {
   double diffusivity_exponent;   /* by diameter */
   double ellipticity;  /* greatest 1 - minor/major axis, [0, 0.6]; drawn uniformly from 0 on */
   double irregularity; /* of rims and floors: 1 as real ones, 0 to 3 */
+  double terraces;     /* of the walls of complex craters: 1 as real ones, 0: smooth walls */
   double model_posts;  /* an elevation model shows craters of so many of its posts or more; > 0 */
   pl_crater_rays rays;
 } pl_crater_frame;
 
 /* The Moon's craters on a body of this radius: neukum_equilibrium on a surface of 3.5 Ga, from 0.1
  * m (or the least possible) to 300 km (or the greatest possible), diffusivity of Fassett and
- * Thomson, round, irregular as real ones, left to models of 6 posts a diameter, without rays. */
+ * Thomson, round, irregular and terraced as real ones, left to models of 6 posts a diameter,
+ * without rays. */
 pl_crater_frame pl_crater_frame_default(double radius_m);
 
 typedef struct pl_crater_field pl_crater_field;
@@ -55,12 +57,18 @@ pl_status pl_crater_field_create(const pl_crater_frame *frame, pl_crater_field *
 void pl_crater_field_destroy(pl_crater_field *field);
 const pl_crater_frame *pl_crater_field_frame(const pl_crater_field *field);
 
-/* Elevation model under the craters: the spacing of its posts (m) in a direction, infinite where
- * there is none. Craters that it shows, by their diameter and the spacing at their centre, are not
- * drawn again. Must be pure. */
+/* Elevation models under the craters. Craters that they show, from model_posts of their posts on,
+ * are not drawn again: not at all if they show the centre and the rim, else beside the model. Must
+ * be pure. */
 typedef struct pl_crater_model {
+  /* Spacing of posts (m) in a direction, infinite where there are none. */
   double (*spacing_m)(const void *context, pl_vec3 direction);
   const void *context;
+  /* Share of the relief of a crater of a size that is drawn in a direction: 0 on models with posts
+   * closer than its diameter over `posts`, 1 farther than half its radius from them. NULL: craters
+   * are drawn wholly or not, by the spacing at their centre. */
+  double (*left)(const void *context, pl_vec3 direction, double diameter_m, double posts);
+  double least_spacing_m; /* of all posts; what is smaller than model_posts of them is drawn */
 } pl_crater_model;
 
 /* Adds the heights (m) of craters at unit directions, for a footprint (the width of a cell of the
@@ -91,7 +99,7 @@ typedef struct pl_crater {
   double tau;     /* degradation: time of diffusion over R^2/diffusivity */
   double depth_m; /* rim to floor, degraded */
   double rim_m;   /* rim over the surface before the impact, degraded */
-  double kept;    /* share of the height at its centre that younger craters left */
+  double kept;    /* share of the height at its centre that younger craters and models left */
 } pl_crater;
 
 /* Lists the craters with centres within radius_m (along the ground) of a direction, with diameters

@@ -38,7 +38,8 @@ static pl_status find_kept(const crater_list *list, pl_crater *crater) {
                                  INFINITY};
   crater_kept kept = {list->field, crater, 1.0};
   PL_TRY(pl_crater_visit(list->field, &query, erase, &kept));
-  crater->kept = kept.kept;
+  crater->kept =
+      kept.kept * pl_crater_left(list->field, list->model, crater->direction, crater->diameter_m);
   return PL_OK;
 }
 

@@ -73,7 +73,9 @@ static bool encloses(const marks *all, const mark *at, pl_vec3 direction) {
 
 /* Share of the relief of a crater that younger ones left in a direction. */
 static double kept_at(const marks *all, const mark *at, pl_vec3 direction) {
-  double kept = 1.0;
+  const pl_crater_model model = pl_terrain_crater_model(all->terrain);
+  double kept =
+      at->known ? 1.0 : pl_crater_left(all->field, &model, direction, at->site.diameter_m);
   for (size_t k = 0; k < all->count && !at->known; k++) {
     const mark *other = &all->sites[k];
     if (other->known || other->site.diameter_m <= PL_CRATER_ERASE_RATIO * at->site.diameter_m ||

@@ -27,9 +27,11 @@ static double smooth(double t) {
   return t * t * (3.0 - 2.0 * t);
 }
 
+double pl_crater_complex(double diameter_m) { return smooth(log2(1e-3 * diameter_m / 10.0)); }
+
 pl_crater_dimensions pl_crater_fresh(double diameter_m) {
   const double km = 1e-3 * diameter_m, d = fmin(diameter_m, 850.0);
-  const double complex = smooth(log2(km / 10.0));
+  const double complex = pl_crater_complex(diameter_m);
   /* Fit to the depths by size of Stopar et al. (2017), D in m below 850 m. */
   const double small =
       d * (0.123447427 + d * (1.49135061e-4 + d * (-6.16681361e-8 + d * 7.08449143e-12)));

@@ -29,6 +29,9 @@ typedef struct pl_crater_dimensions {
  * craters have rings instead. */
 pl_crater_dimensions pl_crater_fresh(double diameter_m);
 
+/* Share of a crater that is complex: 0 up to 10 km, 1 from 20 km on. */
+double pl_crater_complex(double diameter_m);
+
 /* Time of diffusion over R^2/diffusivity. Diffusivity (m^2 per Myr) grows as D^exponent from its
  * value at 1 km: Fassett and Thomson (2014, 2015) have 5.5 and 0.9. */
 double pl_crater_tau(double diameter_m, double age_ga, double diffusivity_1km, double exponent);

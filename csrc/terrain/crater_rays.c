@@ -35,9 +35,10 @@ typedef struct ray {
 typedef struct fresh {
   pl_vec3 direction, major, minor;
   double chord2, radius; /* of its reach; radius over that of the body */
-  double blur2;          /* of the footprint */
-  double light, reach;   /* brightness with age and size on the mesh */
-  float fade[2];         /* of noise */
+  double diameter_m;
+  double blur2;        /* of the footprint */
+  double light, reach; /* brightness with age and size on the mesh */
+  float fade[2];       /* of noise */
   uint32_t pattern;
   int count;
   ray rays[RAYS_MOST];
@@ -265,6 +266,7 @@ static pl_status keep(void *context, const pl_scatter_site *site) {
                 .minor = draw.minor,
                 .chord2 = chord * chord,
                 .radius = radius,
+                .diameter_m = site->diameter_m,
                 .blur2 = blur * blur,
                 .light = light * fade_of(site->diameter_m, all->footprint_m)};
   draw_rays(&all->field->scatter, site->id, frame->rays.reach, of);
@@ -279,7 +281,8 @@ static void sum_at(const gathered *all, const pl_crater_model *model, const doub
   for (size_t k = 0; k < count; k++) {
     double sum = 0.0, most_m = frame->max_m;
     for (size_t n = 0; n < all->count; n++)
-      sum += shine_at(&all->list[n], directions[k]);
+      sum += shine_at(&all->list[n], directions[k]) *
+             pl_crater_left(all->field, model, directions[k], all->list[n].diameter_m);
     if (model != NULL)
       most_m = fmin(most_m, frame->model_posts * model->spacing_m(model->context, directions[k]));
     out[k] = (float)(fmin(sum, 1.0) - mean_below(all->field->brightness, sums, most_m));

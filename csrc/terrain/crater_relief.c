@@ -18,6 +18,8 @@ typedef struct touching {
   double fade;
   double offset[2];
   double by_radius[PL_CRATER_RADIUS_ORDERS][2], by_height[PL_CRATER_HEIGHT_ORDERS][2];
+  pl_crater_terraces terraces;
+  bool partial; /* models may show a part of it */
   double age_ga, diameter_m;
   uint64_t id;
   size_t first_eraser, eraser_count;
@@ -32,6 +34,7 @@ typedef struct eraser {
 
 typedef struct gathered {
   const pl_crater_field *field;
+  const pl_crater_model *model; /* or NULL */
   double footprint_m;
   bound *bounds; /* of the craters */
   touching *craters;
@@ -52,14 +55,6 @@ static pl_status grow(void **items, size_t size, size_t count, size_t *capacity)
   return PL_OK;
 }
 
-static double fade_of(double diameter_m, double footprint_m) {
-  if (diameter_m >= PL_CRATER_FADE_TO * footprint_m)
-    return 1.0;
-  const double t =
-      (diameter_m / footprint_m - PL_CRATER_FADE_FROM) / (PL_CRATER_FADE_TO - PL_CRATER_FADE_FROM);
-  return t > 0.0 ? t * t * (3.0 - 2.0 * t) : 0.0;
-}
-
 static pl_status touch(void *context, const pl_scatter_site *site) {
   gathered *all = context;
   const pl_crater_field *field = all->field;
@@ -68,6 +63,7 @@ static pl_status touch(void *context, const pl_scatter_site *site) {
   pl_crater_draw draw;
   pl_crater_draw_age(field, site, &draw);
   pl_crater_draw_shape(field, site, &draw);
+  pl_crater_draw_terraces(field, site, all->footprint_m, &draw);
   const double radius = 0.5 * site->diameter_m / field->frame.radius_m;
   const double chord = 2.0 * sin(0.5 * fmin(PL_CRATER_REACH * field->stretch * radius, PL_PI));
   all->bounds[all->count] = (bound){site->direction, chord, radius};
@@ -75,7 +71,10 @@ static pl_status touch(void *context, const pl_scatter_site *site) {
   const double root = sqrt(draw.axis_ratio);
   crater->u = pl_vec3_scale(draw.major, root / radius);
   crater->v = pl_vec3_scale(draw.minor, 1.0 / (root * radius));
-  crater->fade = fade_of(site->diameter_m, all->footprint_m);
+  crater->fade = pl_crater_fade(site->diameter_m, all->footprint_m);
+  crater->terraces = draw.terraces;
+  crater->partial = all->model != NULL && all->model->left != NULL &&
+                    site->diameter_m >= field->frame.model_posts * all->model->least_spacing_m;
   memcpy(crater->offset, draw.offset, sizeof draw.offset);
   memcpy(crater->by_radius, draw.radius, sizeof draw.radius);
   memcpy(crater->by_height, draw.height, sizeof draw.height);
@@ -123,6 +122,26 @@ static double chord2_to(const bound *crater, pl_vec3 direction) {
   return pl_vec3_dot(to, to);
 }
 
+/* Radius at which the smooth wall has the height of the terraced one at x: a step leads down
+ * quickly at its outer side and slowly on its tread. */
+static double terraced(const pl_crater_terraces *of, double x, double c, double s) {
+  const double t = (x - of->floor) / (1.0 - of->floor);
+  if (!(t > 0.0 && t < 1.0))
+    return x;
+  double wander = 0.0, come = 1.0, cm = c, sm = s;
+  for (int k = 0; k < PL_CRATER_TERRACE_ORDERS; k++) {
+    wander += of->wander[k][0] * cm + of->wander[k][1] * sm;
+    come += of->come[k][0] * cm + of->come[k][1] * sm;
+    const double next = cm * c - sm * s;
+    sm = sm * c + cm * s;
+    cm = next;
+  }
+  const double window = 16.0 * t * t * (1.0 - t) * (1.0 - t);
+  const double turn = 2.0 * PL_PI * (of->count * t + wander);
+  return x - of->depth * fmin(fmax(come, 0.0), 1.3) * window * sin(turn) * (1.0 - of->floor) /
+                 (2.0 * PL_PI * of->count);
+}
+
 /* Height of one crater at a direction: its profile, at a radius and with a height that vary with
  * the azimuth. */
 static double relief(const touching *crater, const bound *at, pl_vec3 direction) {
@@ -150,7 +169,10 @@ static double relief(const touching *crater, const bound *at, pl_vec3 direction)
     sm = sm * c + cm * s;
     cm = next;
   }
-  const double z = pl_crater_profile_height(crater->profile, r / radius);
+  double x = r / radius;
+  if (crater->terraces.count > 0)
+    x = terraced(&crater->terraces, x, c, s);
+  const double z = pl_crater_profile_height(crater->profile, x);
   return crater->fade * z * (1.0 + height * r2 / (r2 + 0.25));
 }
 
@@ -159,6 +181,8 @@ static double height_at(const gathered *all, size_t near_count, pl_vec3 directio
   for (size_t k = 0; k < near_count; k++) {
     const touching *crater = &all->craters[all->near[k]];
     double z = relief(crater, &all->bounds[all->near[k]], direction);
+    if (z != 0.0 && crater->partial)
+      z *= pl_crater_left(all->field, all->model, direction, crater->diameter_m);
     if (z == 0.0)
       continue;
     const eraser *erasers = all->erasers + crater->first_eraser;
@@ -242,7 +266,7 @@ pl_status pl_crater_add_heights(const pl_crater_field *field, const pl_crater_mo
     return pl_crater_add_heights(field, model, directions + half, count - half, footprint_m,
                                  heights + half);
   }
-  gathered all = {.field = field, .footprint_m = footprint_m};
+  gathered all = {.field = field, .model = model, .footprint_m = footprint_m};
   pl_status status = pl_crater_visit(field, &query, touch, &all);
   if (status == PL_OK)
     status = add_all(&all, directions, count, heights);

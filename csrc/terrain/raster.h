@@ -57,6 +57,10 @@ bool pl_raster_whole(const pl_raster *raster);
  * beyond its outermost posts. What is nearer to a post than rounding of directions (or 1e-9) is the
  * post. */
 bool pl_raster_find(const pl_raster *raster, pl_vec3 direction, double *u, double *v);
+/* Returns the distance along the ground to the raster's edge of a direction beside it, on a body of
+ * a radius, m; about, at large distances. 0 on the raster, INFINITY where its map does not reach.
+ */
+double pl_raster_outside_m(const pl_raster *raster, pl_vec3 direction, double radius_m);
 /* Returns the unit direction of any column and row. */
 pl_vec3 pl_raster_direction(const pl_raster *raster, double u, double v);
 

@@ -39,6 +39,26 @@ bool pl_raster_find(const pl_raster *r, pl_vec3 direction, double *u, double *v)
          (r->crosses[1] || *v <= r->rows - 0.5);
 }
 
+double pl_raster_outside_m(const pl_raster *r, pl_vec3 direction, double radius_m) {
+  const pl_raster_frame *f = &r->frame;
+  double u = NAN, v = NAN;
+  if (pl_raster_find(r, direction, &u, &v))
+    return 0.0;
+  if (isnan(u))
+    return INFINITY;
+  const double low_v = r->crosses[0] ? 0.0 : fmax(-0.5 - v, 0.0);
+  const double high_v = r->crosses[1] ? 0.0 : fmax(v - (r->rows - 0.5), 0.0);
+  double across = r->wraps ? 0.0 : fmax(fmax(-0.5 - u, u - (r->columns - 0.5)), 0.0);
+  double along = fmax(low_v, high_v);
+  across *= fabs(f->dx);
+  along *= fabs(f->dy);
+  if (f->projection.kind == PL_PROJECTION_CYLINDRICAL) {
+    across *= radius_m * hypot(direction.x, direction.y);
+    along *= radius_m;
+  }
+  return hypot(across, along);
+}
+
 pl_vec3 pl_raster_direction(const pl_raster *r, double u, double v) {
   const pl_raster_frame *f = &r->frame;
   return pl_projection_inverse(&f->projection, f->x0 + u * f->dx, f->y0 + v * f->dy);

@@ -11,8 +11,8 @@
  * the detail (`terrain/fractal_detail.h`) of wavelengths below a few posts; without U(q), its own
  * interpolation from the same posts, only what the posts cannot hold is added, and posts keep their
  * heights to the bit. Where no raster reaches, h is q alone, from the longest wavelength. Craters
- * (`terrain/crater_field.h`) are added to all of it, wider than 2 to 4 cells, and too small for the
- * uppermost raster at their centre; they do move posts. */
+ * (`terrain/crater_field.h`) are added to all of it, wider than 2 to 4 cells, but for those that a
+ * raster shows; smaller ones do move posts. */
 #ifndef PL_TERRAIN_TERRAIN_H
 #define PL_TERRAIN_TERRAIN_H
 

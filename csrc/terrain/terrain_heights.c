@@ -160,8 +160,31 @@ static double posts_m(const void *context, pl_vec3 direction) {
   return INFINITY;
 }
 
+/* Share of a crater that is drawn beside the rasters that show it, for pl_crater_model. It fades
+ * over half its radius, so that the raster stands on no cliff. */
+static double left_of(const void *context, pl_vec3 direction, double diameter_m, double posts) {
+  const pl_terrain *terrain = context;
+  double left = 1.0;
+  for (size_t n = terrain->layer_count; n-- > 0 && left > 0.0;) {
+    const pl_layer *layer = &terrain->layers[n];
+    const bool whole = pl_raster_whole(layer->given.raster);
+    if (diameter_m >= posts * layer->spacing_m) {
+      const double away_m =
+          whole ? 0.0 : pl_raster_outside_m(layer->given.raster, direction, terrain->radius_m);
+      const double t = fmin(away_m / (0.25 * diameter_m), 1.0);
+      left *= t * t * (3.0 - 2.0 * t);
+    }
+    if (whole) /* those below are hidden */
+      break;
+  }
+  return left;
+}
+
 pl_crater_model pl_terrain_crater_model(const pl_terrain *terrain) {
-  return (pl_crater_model){posts_m, terrain};
+  pl_crater_model model = {posts_m, terrain, left_of, INFINITY};
+  for (size_t n = 0; n < terrain->layer_count; n++)
+    model.least_spacing_m = fmin(model.least_spacing_m, terrain->layers[n].spacing_m);
+  return model;
 }
 
 pl_status pl_terrain_craters(const pl_terrain *terrain, pl_vec3 direction, double radius_m,
@@ -177,13 +200,13 @@ pl_status pl_terrain_craters(const pl_terrain *terrain, pl_vec3 direction, doubl
 pl_status pl_terrain_sources(const pl_terrain *terrain, const pl_crater_blocks *blocks,
                              pl_vec3 axis, double angle_rad, pl_crater_source **out,
                              size_t *count) {
-  const pl_crater_model model = {posts_m, terrain};
+  const pl_crater_model model = pl_terrain_crater_model(terrain);
   return pl_crater_sources(terrain->craters, &model, blocks, axis, angle_rad, out, count);
 }
 
 pl_status pl_terrain_rays(const pl_terrain *terrain, const pl_vec3 *directions, size_t count,
                           int level, float *out) {
-  const pl_crater_model model = {posts_m, terrain};
+  const pl_crater_model model = pl_terrain_crater_model(terrain);
   if (terrain->craters != NULL)
     return pl_crater_add_rays(terrain->craters, &model, directions, count,
                               pl_cube_cell_m(level, terrain->radius_m), out);

@@ -213,7 +213,7 @@ static void test_model(void **state) {
   frame.min_m = 8.0;
   pl_crater_field *field = field_of(&frame);
   const double spacing_m = 3.0;
-  const pl_crater_model model = {spacing, &spacing_m};
+  const pl_crater_model model = {.spacing_m = spacing, .context = &spacing_m};
   pl_crater *all, *some;
   size_t found, kept = 0;
   const size_t count = list_of(field, north, WHOLE, 0.0, INFINITY, &all);

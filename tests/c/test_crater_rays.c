@@ -130,7 +130,7 @@ static void test_one_crater(void **state) {
   const double light = pl_crater_freshness(&frame.rays, c->diameter_m, c->age_ga);
   assert_true(light > 0.5 && fabs((double)excess + mean - light) < 0.02);
   const double step_m = 1.0;
-  const pl_crater_model model = {fine_m, &step_m};
+  const pl_crater_model model = {.spacing_m = fine_m, .context = &step_m};
   assert_int_equal(pl_crater_add_rays(field, &model, &c->direction, 1, 10.0, &excess), PL_OK);
   assert_true(excess == 0.0f);
   pl_free(list);

@@ -60,6 +60,49 @@ def test_heights_have_the_craters_of_the_list() -> None:
     assert np.median((high - low) / fresh["depth_m"]) == pytest.approx(1.0, abs=0.2)
 
 
+def walls(terraces: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Heights (craters, azimuths, radii) of young craters of 30 to 60 km, round, and those of their
+    rims and floors."""
+    keys = {"law": "power", "coefficient": 1e-3, "exponent": -2.0, "terraces": terraces}
+    sizes = {"min_diameter_m": 30e3, "max_diameter_m": 60e3}
+    made = field(irregularity=0.0, diffusivity_m2_per_myr=0.1, **keys, **sizes)
+    found = made.list(PLACE, 1500e3)
+    found = found[found["kept"] == 1.0]
+    apart = np.linalg.norm(found["direction"][:, None] - found["direction"], axis=-1) * MOON_M
+    np.fill_diagonal(apart, np.inf)
+    found = found[apart.min(axis=1) > 200e3]  # alone within their reach
+    x, turn = np.linspace(0.0, 1.0, 161), np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False)
+    minor = np.cross(found["direction"], found["major"])
+    way = (
+        np.cos(turn)[None, :, None] * found["major"][:, None]
+        + np.sin(turn)[None, :, None] * minor[:, None]
+    )
+    angle = (0.5 * found["diameter_m"] / MOON_M)[:, None, None, None] * x[None, None, :, None]
+    to = np.cos(angle) * found["direction"][:, None, None] + np.sin(angle) * way[:, :, None]
+    heights = made.heights(np.ascontiguousarray(to.reshape(-1, 3)), 50.0).reshape(to.shape[:-1])
+    return heights, heights[..., -1], heights[..., 0]
+
+
+def test_terraces() -> None:
+    """Steps of the wall: treads that are less than half as steep as the smooth wall, scarps that
+    are steeper, and the rim and the floor of the smooth one. Simple craters have none."""
+    smooth, rim, floor = walls(0.0)
+    stairs, same_rim, same_floor = walls(1.0)
+    assert len(smooth) >= 5
+    np.testing.assert_allclose(same_rim, rim, atol=1e-9)
+    np.testing.assert_allclose(same_floor, floor, atol=1e-9)
+    wall = np.diff(smooth[..., 110:], axis=-1)
+    ratio = np.diff(stairs[..., 110:], axis=-1)[wall > 1.0] / wall[wall > 1.0]
+    assert np.mean(ratio < 0.5) > 0.05
+    assert np.mean(ratio > 1.5) > 0.05
+    assert np.ptp(np.diff(stairs, axis=-1).max(axis=-1), axis=1).min() > 1.0  # by azimuth
+    simple = {"law": "trask", "min_diameter_m": 200.0, "max_diameter_m": 9e3}
+    at = field(**simple).list(PLACE, 20e3)["direction"][:50]
+    np.testing.assert_array_equal(
+        field(terraces=0.0, **simple).heights(at), field(terraces=1.0, **simple).heights(at)
+    )
+
+
 def test_laws_are_named() -> None:
     names = [row["name"] for row in _core.CRATER_LAWS]
     assert "neukum_equilibrium" in names
@@ -136,7 +179,7 @@ def test_every_key_acts() -> None:
         {"diffusivity_exponent": 0.8},
         {"ellipticity": 0.2},
         {"irregularity": 0.0},
-    ]
+    ]  # of terraces: test_terraces
     for change in changes:
         assert seen(**change) != plain, change
 
@@ -225,6 +268,32 @@ def test_ground_lists_the_craters_that_it_draws() -> None:
     expected = craters.list(PLACE, 500.0, 20.0, 6.0 * step * MOON_M)
     np.testing.assert_array_equal(listed, expected)
     assert len(_core.Terrain(radii_m).craters(PLACE, 500.0)) == 0
+
+
+def test_a_small_fine_model_in_a_large_crater() -> None:
+    """Posts keep their heights to the bit, the crater is drawn beside them without a cliff."""
+    radii_m, step = np.full(3, MOON_M), 2e-6  # 3.5 m, 220 by 220 m
+    craters = field(min_diameter_m=300.0, max_diameter_m=3000.0)
+    found = craters.list(PLACE, 100e3, 1500.0)
+    crater = found[np.argmax(found["depth_m"] * (found["kept"] == 1.0))]
+    at, across = crater["direction"], crater["major"]
+    lat, lon = np.arcsin(at[2]), np.arctan2(at[1], at[0])
+    posts = np.random.default_rng(2).normal(0.0, 3.0, (64, 64)).astype(np.float32)
+    east = step / np.cos(lat)
+    raster = _core.Raster(posts, "cylindrical", lon - 32 * east, lat + 32 * step, east, -step)
+    shown = _core.Terrain(radii_m, [(raster, "cubic", 8.0, 0.0)], craters=craters)
+    columns, rows = np.meshgrid(np.arange(12.0, 52.0), np.arange(12.0, 52.0))
+    inner = raster.directions(np.stack([columns.ravel(), rows.ravel()], axis=1))
+    np.testing.assert_array_equal(shown.heights(inner), posts[12:52, 12:52].ravel())
+    assert crater["id"] in shown.craters(at, 10.0, 1500.0)["id"]  # and it is in the list
+    away = np.linspace(0.0, 2.0, 4000) * 0.5 * crater["diameter_m"] / MOON_M
+    way = np.ascontiguousarray(np.cos(away)[:, None] * at + np.sin(away)[:, None] * across)
+    plain, ground = craters.heights(way), shown.heights(way)
+    beyond = away * MOON_M > 0.5 * 1.5 * 225.0 + 0.26 * crater["diameter_m"]
+    np.testing.assert_array_equal(ground[beyond], plain[beyond])
+    outside = away * MOON_M > 0.5 * 1.5 * 225.0
+    slopes = np.diff(ground[outside]) / np.diff(away[outside] * MOON_M)
+    assert np.abs(slopes).max() < 2.0 * 0.5  # of the crater's own walls: below 0.5
 
 
 def test_images_of_rims() -> None:

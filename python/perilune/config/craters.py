@@ -32,6 +32,7 @@ _Age = Annotated[float, Field(strict=True, gt=0.0, le=4.5)]
 _Power = Annotated[float, Field(strict=True, ge=-3.0, le=3.0)]
 _Ellipticity = Annotated[float, Field(strict=True, ge=0.0, le=0.6)]
 _Irregularity = Annotated[float, Field(strict=True, ge=0.0, le=3.0)]
+_Terraces = Annotated[float, Field(strict=True, ge=0.0, le=1.0)]
 _Posts = Annotated[float, Field(strict=True, ge=1.0, le=1000.0)]
 
 
@@ -88,11 +89,14 @@ class Craters(Strict):
     """Largest 1 - minor/major axis; drawn for each crater from 0 on."""
     irregularity: _Irregularity = 1.0
     """Irregularity of rims and floors; 1: as real ones, 0: perfectly round."""
+    terraces: _Terraces = 1.0
+    """Terraces on the walls of craters from 10 km on; 1: as real ones, 0: smooth walls."""
     rays: CraterRays | None = None
     """Bright ejecta and rays of young craters; none by default."""
     model_posts: _Posts = 6.0
     """Where an elevation model has so many posts along a crater's diameter or more, it shows its
-    own craters of this size, and none is added."""
+    own craters of this size, and none is added. Those that reach beyond a model are drawn beside
+    it."""
 
     @model_validator(mode="after")
     def _one_law(self) -> Craters:
