@@ -64,7 +64,7 @@ static void test_search_is_exact(void **state) {
   (void)state;
   test_random random = {31, 0};
   static const float randomness[] = {1.0f, 0.7f, 0.2f, 0.0f};
-  for (int i = 0; i < 12000; i++)
+  for (int i = 0; i < PL_DRAWS(12000, 1500); i++)
     check_against_all(random_point(&random, i % 3 ? 100.0 : 1e7), randomness[i & 3], (uint32_t)i);
 }
 
@@ -74,20 +74,20 @@ static void test_far_sites(void **state) {
   (void)state;
   test_random random = {32, 0};
   int beyond = 0;
-  for (int i = 0; i < 300000; i++) {
+  for (int i = 0; i < PL_DRAWS(300000, 30000); i++) {
     const pl_vec3 p = random_point(&random, 1e4);
     if (pl_cellular_find(p, 1.0f, 3).second > 1.0f) {
       check_against_all(p, 1.0f, 3);
       beyond++;
     }
   }
-  assert_true(beyond > 1000);
+  assert_true(beyond > PL_DRAWS(1000, 100));
 }
 
 static void test_continuity(void **state) {
   (void)state;
   test_random random = {33, 0};
-  for (int i = 0; i < 30000; i++) {
+  for (int i = 0; i < PL_DRAWS(30000, 3000); i++) {
     pl_vec3 below = random_point(&random, 5.0), above = below;
     above.y = (double)random_below(&random, 9) - 4.0;
     below.y = nextafter(above.y, -INFINITY);
@@ -104,7 +104,7 @@ static void test_continuity(void **state) {
 static void test_means(void **state) {
   (void)state;
   static const float randomness[] = {0.0f, 0.4f, 1.0f};
-  const int points = 150000;
+  const int points = PL_DRAWS(150000, 20000);
   for (size_t k = 0; k < 3; k++) {
     const float r = randomness[k];
     test_random random = {34 + k, 0};
@@ -138,7 +138,7 @@ static void test_means(void **state) {
 static void test_isotropy(void **state) {
   (void)state;
   test_random random = {37, 0};
-  const int points = 200000;
+  const int points = PL_DRAWS(200000, 20000);
   double moment[3] = {0}, mean[3] = {0}, mixed = 0.0;
   for (int i = 0; i < points; i++) {
     const pl_cellular c = pl_cellular_find(random_point(&random, 1e4), 1.0f, 5);
@@ -170,7 +170,7 @@ static void test_filter(void **state) {
     moments error = {0}, edge_error = {0}, first = {0}, edge = {0};
     const float m = pl_cellular_mean_first(1.0f), n = pl_cellular_mean_edge(1.0f);
     const float width = (float)cases[k].width;
-    for (int i = 0; i < 400; i++) {
+    for (int i = 0; i < PL_DRAWS(400, 100); i++) {
       const pl_vec3 p = random_point(&random, 1e3);
       const pl_quat axes = random_rotation(&random);
       double mean = 0.0, edge_mean = 0.0;

@@ -9,7 +9,7 @@
 #include "frames.h"
 #include "graphs.h"
 
-enum { SIDE = 136, OCTAVES = 4, AROUND = 64, ACROSS = 32 };
+enum { SIDE = 136, OCTAVES = PL_DRAWS(4, 2), AROUND = 64, ACROSS = 32 };
 static const double FOCAL_PX = 400.0;
 static const double NEAR_PX = 64.0; /* radius of the sphere in the first image */
 static const double TOLERANCE = PL_DRAWS(0.005, 0.03);

@@ -7,7 +7,7 @@
 
 #include "differences.h"
 
-enum { SAMPLES = 8, SCENES = 36 };
+enum { SAMPLES = 8, SCENES = PL_DRAWS(36, 6) };
 
 static const double AU = 149597870700.0;
 
@@ -109,8 +109,8 @@ static void test_promise(void **state) {
   pl_model_destroy(model);
   print_message("rings were left out although they could matter %d times, and kept %d times\n",
                 dropped[pl_effect_find("rings")], kept);
-  assert_true(dropped[pl_effect_find("rings")] > 2);
-  assert_true(kept > 2);
+  assert_true(PL_SEEN(dropped[pl_effect_find("rings")], 2));
+  assert_true(PL_SEEN(kept, 2));
 }
 
 /* Without rings the row is absent and says why; out of sight they cannot matter. */

@@ -6,7 +6,7 @@
 #include "differences.h"
 #include "graphs.h"
 
-enum { SAMPLES = 16, SCENES = 24 };
+enum { SAMPLES = 16, SCENES = PL_DRAWS(24, 6) };
 
 static const double AU = 149597870700.0;
 
@@ -183,8 +183,8 @@ static void test_each_row_stays_below_its_bound(void **state) {
   for (int i = 0; i < 3; i++) {
     print_message("%s: changed %d frames, %d of them with a bound below 64 DN\n", names[i],
                   tallies[i].changed, tallies[i].small);
-    assert_true(tallies[i].changed > 3);
-    assert_true(tallies[i].small > 0 || i == 1);
+    assert_true(PL_SEEN(tallies[i].changed, 3));
+    assert_true(PL_SEEN(tallies[i].small, 0) || i == 1);
   }
 }
 
