@@ -28,6 +28,7 @@ from perilune.config.schema import Config
 from perilune.document import intrinsics, shipped
 from perilune.document.fixed import fixed
 from perilune.document.instances import spread
+from perilune.document.limits import Limits, contains
 from perilune.document.loader import is_oaisys, plain_tree, read_tree
 from perilune.document.material_files import include
 from perilune.document.model_graphs import include_models
@@ -298,11 +299,18 @@ class Document:
         return resolve(text, self.base, f"{self.source}: {origin(key, self.origins)}")
 
     def _validate(
-        self, values: Mapping[KeyPath, Any], parts: Mapping[str, str] | None = None
+        self,
+        values: Mapping[KeyPath, Any],
+        parts: Mapping[str, str] | None = None,
+        given: Mapping[str, Any] | None = None,
     ) -> Config:
         """parts: key path of each driver -> the driver's key that the value comes from; default:
-        drawn."""
-        tree = substitute(self.tree, values)
+        drawn. given: the tree with fewer spacecraft; default: the whole one."""
+        if given is None:
+            given = self.tree
+        else:
+            values = {path: value for path, value in values.items() if contains(given, path)}
+        tree = substitute(given, values)
         while True:
             try:
                 return Config.model_validate(tree, context={"path": self.path})
@@ -344,22 +352,41 @@ class Document:
     def _check_clips(self) -> None:
         """Checks that each driver's limits are valid values, so that no later frame fails on
         them."""
-        ideals, ideal_keys = self._plan.ideals, self._plan.ideal_keys
-        fixed_by_scene = fixed(self.config)
+        limits = Limits(self.tree)
+        tree: Mapping[str, Any] = self.tree
+        owner, ideal, fixed_by_scene = None, self.config, fixed(self.config)
         for driver in self.drivers:
-            for part, limit in driver.distribution.limits.items():
-                if limit == driver.ideal:
-                    continue
-                config = self._validate(
-                    {**ideals, driver.path: limit}, {**ideal_keys, driver.name: part}
+            untried = limits.untried(driver)
+            if untried and limits.owner(driver.path) != owner:
+                owner = limits.owner(driver.path)
+                tree = limits.tree_for(owner)
+                ideal = self._validate(self._plan.ideals, self._plan.ideal_keys, tree)
+                fixed_by_scene = fixed(ideal)
+            for part, limit in untried:
+                self._check_limit(driver, part, limit, tree, ideal, fixed_by_scene)
+
+    def _check_limit(
+        self,
+        driver: Found,
+        part: str,
+        limit: Any,
+        tree: Mapping[str, Any],
+        ideal: Config,
+        fixed_by_scene: Mapping[str, Any],
+    ) -> None:
+        """Checks one limit in a tree. ideal: what is configured there with all drivers at their
+        ideals."""
+        ideals, ideal_keys = self._plan.ideals, self._plan.ideal_keys
+        config = self._validate(
+            {**ideals, driver.path: limit}, {**ideal_keys, driver.name: part}, tree
+        )
+        check_references(config, self.source, self.drivers, self.origins, ideal)
+        for key, value in fixed(config).items():
+            if fixed_by_scene.get(key) != value:
+                raise ConfigError(
+                    f"{self.source}: {driver.name}: takes no driver: it changes {key}, "
+                    "which is fixed when the scene is built"
                 )
-                check_references(config, self.source, self.drivers, self.origins, self.config)
-                for key, value in fixed(config).items():
-                    if fixed_by_scene.get(key) != value:
-                        raise ConfigError(
-                            f"{self.source}: {driver.name}: takes no driver: it changes {key}, "
-                            "which is fixed when the scene is built"
-                        )
 
 
 def _unpickled(

@@ -204,6 +204,7 @@ class Handles:
         ids = _obj_ids(config)
         files = self.assets.models
         result: dict[str, ObjectModel] = {}
+        reaches: dict[tuple[int, bytes], float] = {}
         for name, craft in config.spacecraft.items():
             path = str(self.document.path(craft.model, f"spacecraft.{name}.model"))
             key = (path, craft.crease_angle_deg, craft.stretch, repr(craft.faces))
@@ -223,6 +224,9 @@ class Handles:
             if not float((bounds[1] - bounds[0]).max()) > 0.0:
                 where = f"{self.document.source}:\n  spacecraft.{name}.model"
                 raise ConfigError(f"{where}: {path}: has no extent")
+            same = (id(model), offset.tobytes())
+            if same not in reaches:
+                reaches[same] = reach_units(model, offset)
             scale = metres_per_unit(craft, model)
             _check_length(f"{self.document.source}:\n  spacecraft.{name}", scale, bounds)
             result[name] = ObjectModel(
@@ -232,7 +236,7 @@ class Handles:
                 model=model,
                 offset=offset,
                 metres_per_unit=scale,
-                reach_units=reach_units(model, offset),
+                reach_units=reaches[same],
                 symmetries=craft.symmetries,
             )
         return result
@@ -247,12 +251,17 @@ class Handles:
 
     @cached_property
     def partitions(self) -> Mapping[str, Partition]:
-        """Spacecraft entry -> division of its model into parts."""
+        """Spacecraft entry -> division of its model into parts; one object for equal ones."""
         crafts, source = self.document.config.spacecraft, self.document.source
-        return {
-            name: partition(row.model, crafts[name].parts, f"{source}:\n  spacecraft.{name}.parts")
-            for name, row in self.models.items()
-        }
+        made: dict[tuple[int, str], Partition] = {}
+        found = {}
+        for name, row in self.models.items():
+            parts, key = crafts[name].parts, f"{source}:\n  spacecraft.{name}.parts"
+            same = (id(row.model), repr(parts))
+            if same not in made:
+                made[same] = partition(row.model, parts, key)
+            found[name] = made[same]
+        return found
 
     @cached_property
     def rigs(self) -> Mapping[str, articulation.Rig]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -94,7 +95,14 @@ class Taxonomy:
 
     def parts_of(self, owner: str) -> list[Part]:
         """Parts of a body or spacecraft, in the order in which the core has them."""
-        return [part for part in self.parts if part.owner == owner]
+        return self._parts_of.get(owner, [])
+
+    @cached_property
+    def _parts_of(self) -> dict[str, list[Part]]:
+        found: dict[str, list[Part]] = {}
+        for part in self.parts:
+            found.setdefault(part.owner, []).append(part)
+        return found
 
     def class_ids(self, *names: Mapping[str, str]) -> NDArray[np.uint16]:
         """(n, levels): class ids of objects given by their class name at each level; 0 without
@@ -132,6 +140,7 @@ def _texts(part: PartEntry) -> list[str]:
     return [name.lower() for name in names]
 
 
+@lru_cache(maxsize=65536)  # spacecraft that are alike have equal parts
 def _fits(pattern: str, part: PartEntry) -> bool:
     return any(fnmatchcase(text, pattern.lower()) for text in _texts(part))
 

@@ -19,6 +19,8 @@ from perilune.config.materials import MaterialUse
 from perilune.config.schema import Config
 from perilune.document.document import Document
 from perilune.materials import Graph, ImageFiles, Placed
+from perilune.materials.drivers import given_by_drivers
+from perilune.materials.graph import has_drawn
 from perilune.spacecraft.parts import Partition
 
 _T = TypeVar("_T")
@@ -57,9 +59,9 @@ class Looks:
         self._models = models
         self._partitions = partitions
         self._images = ImageFiles(document.path)
-        self._graphs: dict[tuple[str, str, bool], Graph] = {}
+        self._graphs: dict[tuple[Any, ...], Graph] = {}
         self._hooked = {row.path[1] for row in document.drivers if materials.is_drawn(row)}
-        self._drawn: dict[tuple[str, str, bool, str], Graph] = {}
+        self._drawn: dict[tuple[Any, ...], Graph] = {}
         self._triangles: dict[tuple[Any, ...], NDArray[np.int32]] = {}
         self._last: Same[Look] = Same(2)
         self._parameters: Same[NDArray[np.float64]] = Same(2)
@@ -153,21 +155,27 @@ class Looks:
             material = materials.applied(config, name, owner)
             return materials.build(name, material, wrap, self._images)
 
+        # The program is that of all owners whose drivers give the same nodes the same values.
+        given = given_by_drivers(config, name, owner)
+        same = (name, wrap, tuple((*at, has_drawn(v), repr(v)) for at, v in given.items()))
         if not hooked:
-            return _kept(self._graphs, (owner, name, wrap), make)
-        found = _kept(self._drawn, (owner, name, wrap, repr(config.materials[name])), make)
+            return _kept(self._graphs, same, make)
+        found = _kept(self._drawn, (*same, repr(config.materials[name])), make)
         if len(self._drawn) > _PATTERNS * max(len(self._models), 1):
             del self._drawn[next(iter(self._drawn))]
         return found
 
     def _of_patterns(self, craft: str, uses: tuple[MaterialUse, ...]) -> NDArray[np.int32]:
-        patterns = tuple((use.material, use.part, use.component, use.box) for use in uses)
+        patterns = tuple(
+            (use.material, use.part, use.component, use.box, use.required) for use in uses
+        )
         key = f"spacecraft.{craft}.materials"
+        model, cut = self._models[craft], self._partitions[craft]  # shared by spacecraft alike
 
         def make() -> NDArray[np.int32]:
-            return materials.triangles(uses, self._models[craft], self._partitions[craft], key)
+            return materials.triangles(uses, model, cut, key)
 
-        found = _kept(self._triangles, (craft, patterns), make)
+        found = _kept(self._triangles, (id(model), id(cut), patterns), make)
         if len(self._triangles) > _PATTERNS * len(self._models):
             del self._triangles[next(iter(self._triangles))]  # the one looked up first
         return found

@@ -185,12 +185,14 @@ def check_use(config: Config, users: Users) -> Iterator[str]:
     """Entries of sections of drivers that affect no surface. users: see check_values."""
     used: set[str] = set()
     reaching: set[str] = set()
+    of_surface = {
+        name: reached(material, surface_of(f"materials.{name}", material))
+        for name, material in config.materials.items()
+    }
     for name, owner in _places(config, users):
-        material = config.materials[name]
-        of_surface = reached(material, surface_of(f"materials.{name}", material))
         for node, key, _ in driven(config, name, owner):
             used.add(key)
-            if node.node in of_surface:
+            if node.node in of_surface[name]:
                 reaching.add(key)
     for key, name, known in _entries(config, users):
         if name not in known:
