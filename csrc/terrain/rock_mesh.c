@@ -99,6 +99,18 @@ void pl_rock_meshes_drop(pl_rock_meshes *meshes, size_t from) {
   }
 }
 
+size_t pl_rock_meshes_sort_shown(pl_rock_meshes *meshes) {
+  size_t shown = 0;
+  for (size_t k = 0; k < meshes->count; k++) {
+    pl_rock_mesh *mesh = meshes->list[k];
+    if (!mesh->shown)
+      continue;
+    meshes->list[k] = meshes->list[shown];
+    meshes->list[shown++] = mesh;
+  }
+  return shown;
+}
+
 void pl_rock_meshes_clear(pl_rock_meshes *meshes) {
   pl_rock_meshes_drop(meshes, 0);
   pl_free(meshes->list);

@@ -20,9 +20,10 @@ typedef struct pl_rock_mesh {
   float low[3], high[3];          /* box of the vertices */
   double scale;                   /* of the sphere it is made from */
   void *scene;                    /* RTCScene, of whom keeps the pool; NULL before */
+  bool shown;                     /* by a tile, where it is kept track of */
 } pl_rock_mesh;
 
-/* Meshes by variant and level; each is made once, and stays. */
+/* Meshes by variant and level; each stays as long as a tile shows it. */
 typedef struct pl_rock_meshes {
   pl_rock_sphere *spheres; /* owned; NULL before the first use */
   pl_rock_mesh **list;     /* owned; in the order in which they were added */
@@ -39,6 +40,8 @@ pl_status pl_rock_mesh_fill(pl_rock_mesh *mesh, const pl_rock_meshes *meshes,
                             const pl_rock_variant *variant);
 /* Frees those from index `from` of the list on, all but their scenes. */
 void pl_rock_meshes_drop(pl_rock_meshes *meshes, size_t from);
+/* Moves those that are not shown to the end of the list; returns the number of others. */
+size_t pl_rock_meshes_sort_shown(pl_rock_meshes *meshes);
 void pl_rock_meshes_clear(pl_rock_meshes *meshes);
 
 #endif

@@ -137,6 +137,19 @@ pl_status pl_ground_tiles_hold(pl_ground_tiles *tiles, RTCScene scene) {
   return PL_OK;
 }
 
+/* Frees meshes of rocks that no tile shows any more. */
+static void drop_meshes(pl_ground_tiles *tiles) {
+  for (size_t k = 0; k < tiles->meshes.count; k++)
+    tiles->meshes.list[k]->shown = false;
+  for (size_t k = 0; k < tiles->count; k++) {
+    const pl_ground_rocks *rocks = tiles->list[k]->tile.rocks;
+    for (size_t i = 0; rocks != NULL && i < rocks->count; i++)
+      if (rocks->rocks[i].mesh != NULL)
+        rocks->rocks[i].mesh->shown = true;
+  }
+  pl_rock_instances_drop(&tiles->meshes, pl_rock_meshes_sort_shown(&tiles->meshes));
+}
+
 void pl_ground_tiles_drop(pl_ground_tiles *tiles, size_t from) {
   for (size_t k = from; k < tiles->count; k++) {
     tiles->bytes -= tiles->list[k]->bytes;
@@ -171,6 +184,7 @@ void pl_ground_tiles_trim(pl_accelerators *kept) {
       break;
   }
   pl_ground_tiles_drop(tiles, staying);
+  drop_meshes(tiles);
 }
 
 void pl_ground_tiles_forget(pl_accelerators *kept, uint64_t terrain) {
@@ -186,6 +200,7 @@ void pl_ground_tiles_forget(pl_accelerators *kept, uint64_t terrain) {
       tiles->list[staying++] = tile;
     }
   pl_ground_tiles_drop(tiles, staying);
+  drop_meshes(tiles);
 }
 
 size_t pl_ground_scenes(const pl_accelerators *kept) {
@@ -208,5 +223,5 @@ pl_ground_tiles_use pl_ground_tiles_used(const pl_accelerators *kept) {
   const pl_ground_tiles *tiles = kept->ground;
   if (tiles == NULL)
     return (pl_ground_tiles_use){0};
-  return (pl_ground_tiles_use){tiles->count, tiles->bytes, tiles->made};
+  return (pl_ground_tiles_use){tiles->count, tiles->bytes, tiles->made, tiles->meshes.count};
 }

@@ -39,6 +39,7 @@ pl_status pl_ground_tiles_limit(pl_accelerators *kept, size_t bytes);
 typedef struct pl_ground_tiles_use {
   size_t tiles, bytes; /* bytes with those of Embree */
   uint64_t made;       /* tiles made so far */
+  size_t rock_meshes;  /* shared by the rocks of tiles */
 } pl_ground_tiles_use;
 pl_ground_tiles_use pl_ground_tiles_used(const pl_accelerators *kept);
 

@@ -38,14 +38,18 @@ static void open_world(fixture *f, const pl_rock_frame *frame, bool with_rocks) 
   pl_arena_init(&f->arena);
 }
 
+static void build_at(fixture *f, pl_vec3 place) {
+  const pl_ground_tile_view view = ground_view(f->terrain, place, 12.0, 0.0, 48);
+  assert_int_equal(pl_height_field_build(f->kept, f->terrain, &view, 2, NULL, &f->arena, &f->field),
+                   PL_OK);
+}
+
 static void open_fixture(fixture *f, bool with_rocks) {
   pl_rock_frame frame = pl_rock_frame_default(MOON_M);
   frame.law = (pl_rock_law){.kind = PL_ROCKS_HAWORTH, .factor = 4.0};
   frame.min_m = 0.3;
   open_world(f, &frame, with_rocks);
-  const pl_ground_tile_view view = ground_view(f->terrain, SOMEWHERE, 12.0, 0.0, 48);
-  assert_int_equal(pl_height_field_build(f->kept, f->terrain, &view, 2, NULL, &f->arena, &f->field),
-                   PL_OK);
+  build_at(f, SOMEWHERE);
 }
 
 static void close_fixture(fixture *f) {
@@ -188,11 +192,40 @@ static void rocks_of_another_body_are_refused(void **state) {
   pl_rock_field_destroy(rocks);
 }
 
+/* Meshes of rocks leave with the last tile that shows them; those of other tiles stay. */
+static void meshes_leave_with_their_tiles(void **state) {
+  (void)state;
+  fixture f;
+  open_fixture(&f, true);
+  const pl_ground_tiles_use first = pl_ground_tiles_used(f.kept);
+  assert_true(first.rock_meshes > 0);
+  pl_ground_tiles_trim(f.kept);
+  assert_int_equal(pl_ground_tiles_used(f.kept).rock_meshes, first.rock_meshes);
+  build_at(&f, (pl_vec3){-0.5, 0.1, 0.8});
+  assert_true(pl_ground_tiles_used(f.kept).rock_meshes >= first.rock_meshes);
+  assert_int_equal(pl_ground_tiles_limit(f.kept, first.bytes), PL_OK);
+  pl_ground_tiles_trim(f.kept); /* the tiles of the first place leave */
+  for (int turn = 0; turn < 3; turn++) {
+    build_at(&f, SOMEWHERE);
+    pl_ground_tiles_trim(f.kept);
+    assert_true(pl_ground_tiles_used(f.kept).bytes <= first.bytes);
+    assert_in_range(pl_ground_tiles_used(f.kept).rock_meshes, 1, first.rock_meshes);
+  }
+  pl_ground_tiles_forget(f.kept, pl_terrain_number(f.terrain));
+  assert_int_equal(pl_ground_tiles_used(f.kept).rock_meshes, 0);
+  build_at(&f, SOMEWHERE);
+  assert_int_equal(pl_ground_tiles_used(f.kept).rock_meshes, first.rock_meshes);
+  close_fixture(&f);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(rocks_of_the_list_are_hit),         cmocka_unit_test(rocks_are_expected),
-      cmocka_unit_test(too_many_rocks_are_refused),        cmocka_unit_test(rocks_are_counted),
+      cmocka_unit_test(rocks_of_the_list_are_hit),
+      cmocka_unit_test(rocks_are_expected),
+      cmocka_unit_test(too_many_rocks_are_refused),
+      cmocka_unit_test(rocks_are_counted),
       cmocka_unit_test(rocks_of_another_body_are_refused),
+      cmocka_unit_test(meshes_leave_with_their_tiles),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
