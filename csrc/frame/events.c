@@ -3,6 +3,7 @@
 #include "frame/events.h"
 
 #include "base/memory.h"
+#include "frame/moving.h"
 #include "frame/renderer.h"
 #include "math/color.h"
 #include "scene/shutter.h"
@@ -49,19 +50,13 @@ static pl_status take_tile(void *context, const pl_tile_result *result, int work
 static pl_status picture(recording *r, double u, float *out) {
   pl_renderer *renderer = r->renderer;
   const pl_frame_request *request = r->request;
-  pl_arena *arena = &renderer->instants;
   const size_t grounds = pl_ground_scenes(renderer->accelerators);
-  pl_survey survey;
+  pl_frame_sky sky;
   const pl_instant *instant;
-  pl_arena_reset(arena);
   r->pictures++;
-  PL_TRY(pl_survey_at(renderer->scene, request, u, r->middle, true, arena, &survey));
-  PL_TRY(pl_frame_sky_view(request->sky, &survey.shot, &request->wish, arena, &survey.view,
-                           &survey.sky));
-  PL_TRY(pl_realise(renderer->accelerators, &survey, &r->choice, arena, &instant));
-  PL_TRY(pl_frame_light_sky(renderer, request, r->plan, instant, true, arena, &survey.sky));
-  film film = {r, &survey.sky, out};
-  PL_TRY(pl_frame_render(renderer, request, instant, &survey.sky, take_tile, &film));
+  PL_TRY(pl_moving_realise(renderer, request, r->plan, r->middle, u, &r->choice, &sky, &instant));
+  film film = {r, &sky, out};
+  PL_TRY(pl_frame_render(renderer, request, instant, &sky, take_tile, &film));
   pl_ground_scenes_release(renderer->accelerators, grounds);
   return PL_OK;
 }

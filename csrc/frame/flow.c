@@ -2,22 +2,28 @@
 
 #include "frame/moving.h"
 
-static pl_status make_frame(pl_renderer *renderer, const pl_other_frame *other,
-                            const pl_choice *choice, bool rolls, const pl_sight_frame **out) {
+static pl_status make_frame(pl_renderer *renderer, const pl_frame_request *request,
+                            const pl_other_frame *other, const pl_choice *choice, bool rolls,
+                            const pl_sight_frame **out) {
   pl_choice labels = pl_choice_of_labels(choice);
   labels.far_casters = false; /* nothing is lit */
-  pl_sight_frame *made = pl_arena_alloc(&renderer->arena, 1, sizeof *made);
-  pl_snapshot *shot = pl_arena_alloc(&renderer->arena, 1, sizeof *shot);
-  if (made == NULL || shot == NULL)
+  labels.culls = false;       /* what is hidden there is looked for */
+  pl_arena *arena = &renderer->arena;
+  pl_survey survey;
+  const pl_instant *instant;
+  PL_TRY(pl_placement_check(renderer->scene, &other->placement));
+  PL_TRY(pl_survey_place(renderer->scene, request, &other->placement, arena, &survey));
+  PL_TRY(pl_realise(renderer->accelerators, &survey, &labels, arena, &instant));
+  pl_sight_frame *made = pl_arena_alloc(arena, 1, sizeof *made);
+  if (made == NULL)
     return pl_fail(PL_E_MEMORY, "out of memory for another frame");
   *made = (pl_sight_frame){.placement = &other->placement,
                            .changed = other->changed,
                            .rows = rolls && other->placement.shutter.line_s > 0.0,
-                           .shot = shot};
+                           .shot = &instant->shot,
+                           .tracer = instant->tracer};
   *out = made;
-  PL_TRY(pl_placement_check(renderer->scene, &other->placement));
-  return pl_realise_geometry(renderer->accelerators, renderer->scene, &other->placement, &labels,
-                             &renderer->arena, shot, &made->tracer);
+  return PL_OK;
 }
 
 pl_status pl_frame_flow(pl_renderer *renderer, const pl_frame_request *request, const pl_plan *plan,
@@ -30,7 +36,7 @@ pl_status pl_frame_flow(pl_renderer *renderer, const pl_frame_request *request, 
   const bool rolls = pl_moving_rolls(request, plan);
   for (int to = 0; to < PL_FLOW_FRAMES; to++)
     if (found.wanted[to] && request->others[to] != NULL)
-      PL_TRY(make_frame(renderer, request->others[to], choice, rolls, &found.frames[to]));
+      PL_TRY(make_frame(renderer, request, request->others[to], choice, rolls, &found.frames[to]));
   pl_flow *made = pl_arena_alloc(&renderer->arena, 1, sizeof *made);
   if (made == NULL)
     return pl_fail(PL_E_MEMORY, "out of memory for labels of motion");

@@ -12,7 +12,6 @@
 #include "frame/moving.h"
 #include "frame/output.h"
 #include "frame/renderer.h"
-#include "render/reflectance_lod.h"
 #include "scene/shutter.h"
 #include "sensor/stage.h"
 #include "trace/height_field.h"
@@ -188,9 +187,7 @@ pl_status pl_frame_plan(pl_renderer *renderer, const pl_frame_request *request, 
   PL_TRY(pl_frame_sky_view(request->sky, &survey->shot, &request->wish, &renderer->arena, view,
                            &survey->sky));
   lap(result, PL_STAGE_METER, &start);
-  if (metered)
-    PL_TRY(pl_reflectance_lod_fit(&survey->shot, &renderer->arena, view));
-  PL_TRY(pl_plan_solve(pl_effects, pl_effect_count, view, &request->wish, &result->plan));
+  PL_TRY(pl_survey_plan(survey, &request->wish, metered, &renderer->arena, &result->plan));
   if (pl_moving(request, &result->plan))
     PL_TRY(pl_moving_plan(renderer, request, view, metered, &result->plan));
   lap(result, PL_STAGE_PLAN, &start);

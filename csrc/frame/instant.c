@@ -27,14 +27,7 @@ static pl_render_settings settings_of(const pl_frame_request *request,
 #define PL_SET(name) .name = pl_plan_value(plan, &pl_effect_##name) > 0,
       PL_PATH_SWITCHES(PL_SET)
 #undef PL_SET
-          .detail = {.maps = pl_plan_value(plan, &pl_effect_surface_maps) > 0,
-                     .bumps = pl_plan_value(plan, &pl_effect_bump_detail) > 0,
-                     .relief = pl_plan_value(plan, &pl_effect_relief) > 0,
-                     .sub_cell = pl_plan_value(plan, &pl_effect_sub_cell_normals) > 0,
-                     .glint = pl_plan_value(plan, &pl_effect_glint) > 0,
-                     .lights = pl_plan_value(plan, &pl_effect_night_lights) > 0,
-                     .rays = pl_plan_value(plan, &pl_effect_crater_rays) > 0,
-                     .filter = (pl_filter)pl_plan_value(plan, &pl_effect_texture_filter)},
+          .detail = pl_plan_detail(plan),
       .shadow_mask = needs & PL_POINTS_SHADOWS,
       .shadow_cause = needs & PL_POINTS_SHADOW_CAUSES,
       .exact = exact,
@@ -89,33 +82,25 @@ pl_choice pl_choice_of_plan(const pl_frame_request *request, const pl_frame_resu
   return colour ? out : pl_choice_of_labels(&out);
 }
 
-/* Metering: steps along rays through air, with an error of a few per cent; values of the rows of
- * media and of emitters. */
-enum { PREVIEW_STEPS = 6, PREVIEW_MEDIA = 4, QUICK_EMITTERS = 2 };
+/* Metering: most steps along rays through air, with an error of a few per cent; most values of the
+ * rows of media and of emitters. */
+enum { METER_AIR_STEPS = 6, METER_MEDIA = 4, METER_EMITTERS = 2 };
 
-pl_choice pl_choice_of_metering(const pl_frame_request *request, int samples) {
-  pl_choice out = {
-      .settings = {.seed = request->seed,
-                   .frame = request->index,
-                   .samples = samples,
-                   .cast_shadows = true,
-                   .emission = true,
-                   .detail = PL_DETAIL_FULL,
-                   .clear_coat = true},
-      .threads = request->threads,
-      .cancel = request->cancel,
-      .distortion = true,
-      .depth_of_field = true,
-      .terrain_levels = PL_CUBE_LEVELS,
-      .far_casters = true,
-      .colour = true,
-      .emitters = QUICK_EMITTERS,
-      .air_steps = PREVIEW_STEPS,
-      .skylight = true,
-      .multiple_scattering = true,
-  };
+static int at_most(int value, int limit) { return value < limit ? value : limit; }
+
+pl_choice pl_choice_of_metering(const pl_frame_request *request, const pl_plan *plan, int samples) {
+  const pl_frame_result result = {.plan = *plan};
+  pl_choice out = pl_choice_of_plan(request, &result, true);
+  out.settings.samples = samples;
+  out.settings.exact = false;
+  out.settings.noise_dn = 0.0f;
+  out.settings.shadow_mask = out.settings.shadow_cause = false;
+  out.tolerance_dn = 0.0;
+  out.subpixel = out.albedo = false;
+  out.emitters = at_most(out.emitters, METER_EMITTERS);
+  out.air_steps = at_most(out.air_steps, METER_AIR_STEPS);
   for (size_t k = 0; k < pl_medium_kind_count; k++)
-    out.media[k] = PREVIEW_MEDIA;
+    out.media[k] = at_most(out.media[k], METER_MEDIA);
   return out;
 }
 
@@ -210,13 +195,4 @@ pl_status pl_realise(pl_accelerators *kept, const pl_survey *survey, const pl_ch
   }
   *out = made;
   return PL_OK;
-}
-
-pl_status pl_realise_geometry(pl_accelerators *kept, const pl_scene *scene,
-                              const pl_placement *placement, const pl_choice *choice,
-                              pl_arena *arena, pl_snapshot *shot, const pl_tracer **tracer) {
-  PL_TRY(pl_snapshot_build(scene, placement, arena, shot));
-  strip_camera(choice, &shot->camera);
-  PL_TRY(pl_height_fields_place(kept, choice, arena, shot));
-  return pl_geometry_tracer(kept, shot, arena, tracer);
 }

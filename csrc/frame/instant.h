@@ -36,8 +36,8 @@ pl_choice pl_choice_of_plan(const pl_frame_request *request, const pl_frame_resu
                             bool colour);
 /* Returns the same choice, reduced to labels. */
 pl_choice pl_choice_of_labels(const pl_choice *frame);
-/* Returns the choice for a fast preview of the whole scene by direct light. */
-pl_choice pl_choice_of_metering(const pl_frame_request *request, int samples);
+/* Returns the choice of the plan for metering, see pl_frame_meter: at most a fast preview. */
+pl_choice pl_choice_of_metering(const pl_frame_request *request, const pl_plan *plan, int samples);
 
 /* Immutable once it is made; shared by threads and by the stages of a frame. */
 typedef struct pl_instant {
@@ -57,11 +57,5 @@ typedef struct pl_instant {
  * the survey borrows, but not the survey itself. */
 pl_status pl_realise(pl_accelerators *kept, const pl_survey *survey, const pl_choice *choice,
                      pl_arena *arena, const pl_instant **out);
-
-/* Places the scene for labels, with everything in it, and builds its tracer: geometry alone, as the
- * choice has it. Allocated in `arena`; borrows scene and placement. */
-pl_status pl_realise_geometry(pl_accelerators *kept, const pl_scene *scene,
-                              const pl_placement *placement, const pl_choice *choice,
-                              pl_arena *arena, pl_snapshot *shot, const pl_tracer **tracer);
 
 #endif

@@ -1,7 +1,7 @@
 /* Gathers the rays of a frame. */
 #include "frame/measure.h"
 
-#include "frame/height_fields.h"
+#include "frame/instant.h"
 #include "light/sun.h"
 #include "render/coverage_mask.h"
 #include "render/geometry.h"
@@ -45,18 +45,23 @@ static void gather_shadow(const pl_snapshot *shot, const pl_tracer *tracer, cons
   }
 }
 
-static pl_status measure(pl_snapshot *shot, pl_accelerators *kept, pl_coverage *coverage,
+static pl_status measure(const pl_survey *survey, pl_accelerators *kept, pl_coverage *coverage,
                          pl_arena *arena, int repeats, pl_ray_times *primary,
                          pl_ray_times *shadow) {
-  const size_t pixels = (size_t)shot->camera.width * (size_t)shot->camera.height;
+  const size_t pixels = (size_t)survey->view.width * (size_t)survey->view.height;
   rays first = {pl_arena_alloc(arena, pixels, sizeof(pl_ray)), 0};
   rays second = {pl_arena_alloc(arena, pixels, sizeof(pl_ray)), 0};
   if (first.items == NULL || second.items == NULL)
     return pl_fail(PL_E_MEMORY, "out of memory for rays");
-  const pl_choice choice = {.terrain_levels = PL_CUBE_LEVELS, .far_casters = true, .threads = 1};
-  PL_TRY(pl_height_fields_place(kept, &choice, arena, shot));
-  const pl_tracer *tracer;
-  PL_TRY(pl_geometry_tracer(kept, shot, arena, &tracer));
+  const pl_choice choice = {.terrain_levels = PL_CUBE_LEVELS,
+                            .far_casters = true,
+                            .threads = 1,
+                            .distortion = true,
+                            .depth_of_field = true};
+  const pl_instant *instant;
+  PL_TRY(pl_realise(kept, survey, &choice, arena, &instant));
+  const pl_snapshot *shot = &instant->shot;
+  const pl_tracer *tracer = instant->tracer;
   PL_TRY(pl_coverage_update(coverage, shot, 0, shot->camera.height, 1, 1));
   gather_primary(shot, coverage, &first);
   gather_shadow(shot, tracer, &first, &second);
@@ -67,17 +72,18 @@ static pl_status measure(pl_snapshot *shot, pl_accelerators *kept, pl_coverage *
 pl_status pl_measure_rays(const pl_scene *scene, const pl_placement *placement, int repeats,
                           pl_ray_times *primary, pl_ray_times *shadow) {
   pl_arena arena;
-  pl_snapshot shot;
+  pl_survey survey;
+  const pl_frame_request request = {.samples = 1};
   pl_coverage coverage = {0};
   pl_accelerators *kept = NULL;
   pl_arena_init(&arena);
   pl_status status = pl_placement_check(scene, placement);
   if (status == PL_OK)
-    status = pl_snapshot_build(scene, placement, &arena, &shot);
+    status = pl_survey_place(scene, &request, placement, &arena, &survey);
   if (status == PL_OK)
     status = pl_accelerators_create(&kept);
   if (status == PL_OK)
-    status = measure(&shot, kept, &coverage, &arena, repeats, primary, shadow);
+    status = measure(&survey, kept, &coverage, &arena, repeats, primary, shadow);
   pl_accelerators_destroy(kept);
   pl_coverage_clear(&coverage);
   pl_arena_clear(&arena);

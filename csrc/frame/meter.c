@@ -1,7 +1,9 @@
 /* Automatic exposure, measured on a small image of the frame. */
 #include "frame/renderer.h"
 
+#include "frame/effects.h"
 #include "math/color.h"
+#include "plan/effects.h"
 #include "sensor/metering.h"
 #include "trace/height_field.h"
 
@@ -73,6 +75,24 @@ static void shrink_camera(pl_camera *camera) {
   camera->height = h;
 }
 
+/* Effects that are not metered: light on its way over other surfaces, motion, and what is below the
+ * accuracy of so small an image. */
+static const pl_effect *const unmetered[] = {
+    &pl_effect_soft_sun,     &pl_effect_limb_darkening, &pl_effect_bounces,
+    &pl_effect_body_bounces, &pl_effect_planetshine,    &pl_effect_caustics,
+    &pl_effect_transmission, &pl_effect_motion_blur,    &pl_effect_rolling_shutter,
+};
+
+/* Plans the small image: what is left out changes nothing, whatever the exposure will be, which
+ * is not known yet. Effects that the user forces on or off are metered as all others, so that the
+ * exposure does not depend on them. */
+static pl_status plan_metering(pl_view view, pl_plan *out) {
+  pl_plan_wish wish = {.tolerance_dn = 0.0};
+  for (size_t i = 0; i < sizeof unmetered / sizeof unmetered[0]; i++)
+    wish.force_off |= UINT64_C(1) << pl_effect_find(unmetered[i]->name);
+  return pl_plan_solve(pl_effects, pl_effect_count, &view, &wish, out);
+}
+
 pl_status pl_frame_meter(pl_renderer *renderer, const pl_frame_request *request,
                          const pl_survey *survey, double fallback, double *white_radiance,
                          pl_sensor *sensor) {
@@ -87,7 +107,12 @@ pl_status pl_frame_meter(pl_renderer *renderer, const pl_frame_request *request,
     return pl_fail(PL_E_MEMORY, "out of memory for metering");
   if (exposes)
     PL_TRY(meter_sensor(&meter, sensor, count, &renderer->arena));
-  const pl_choice choice = pl_choice_of_metering(request, METER_SAMPLES);
+  pl_plan plan;
+  small.view.white_radiance = small.view.display_white = fallback;
+  small.view.sky.white_radiance = fallback;
+  small.view.max_bounces = 0;
+  PL_TRY(plan_metering(small.view, &plan));
+  const pl_choice choice = pl_choice_of_metering(request, &plan, METER_SAMPLES);
   const size_t grounds = pl_ground_scenes(renderer->accelerators);
   const pl_instant *instant;
   PL_TRY(pl_realise(renderer->accelerators, &small, &choice, &renderer->arena, &instant));

@@ -36,9 +36,9 @@ pl_status pl_moving_plan(pl_renderer *renderer, const pl_frame_request *request,
   pl_plan now;
   for (int i = 0; i < PLAN_INSTANTS; i++) {
     pl_arena_reset(&renderer->instants);
-    PL_TRY(pl_survey_at(renderer->scene, request, (double)i / (PLAN_INSTANTS - 1), middle, colour,
+    PL_TRY(pl_survey_at(renderer->scene, request, (double)i / (PLAN_INSTANTS - 1), middle,
                         &renderer->instants, &survey));
-    PL_TRY(pl_plan_solve(pl_effects, pl_effect_count, &survey.view, &request->wish, &now));
+    PL_TRY(pl_survey_plan(&survey, &request->wish, colour, &renderer->instants, &now));
     for (size_t k = 0; k < plan->count; k++) {
       pl_plan_row *row = &plan->rows[k];
       const double residual = fmax(row->residual_dn, now.rows[k].residual_dn);
@@ -49,6 +49,23 @@ pl_status pl_moving_plan(pl_renderer *renderer, const pl_frame_request *request,
     }
   }
   return PL_OK;
+}
+
+pl_status pl_moving_realise(pl_renderer *renderer, const pl_frame_request *request,
+                            const pl_plan *plan, const pl_view *middle, double u,
+                            const pl_choice *choice, pl_frame_sky *sky, const pl_instant **out) {
+  pl_arena *arena = &renderer->instants;
+  pl_survey survey;
+  pl_arena_reset(arena);
+  PL_TRY(pl_survey_at(renderer->scene, request, u, middle, arena, &survey));
+  if (choice->colour) {
+    PL_TRY(pl_survey_fit(&survey, plan, arena));
+    PL_TRY(pl_frame_sky_view(request->sky, &survey.shot, &request->wish, arena, &survey.view,
+                             &survey.sky));
+  }
+  PL_TRY(pl_realise(renderer->accelerators, &survey, choice, arena, out));
+  *sky = survey.sky;
+  return pl_frame_light_sky(renderer, request, plan, *out, true, arena, sky);
 }
 
 /* Adds the stars of an instant, weighted for each row by the part of its exposure that falls into
@@ -83,25 +100,17 @@ typedef struct exposure {
 static pl_status render_at(const exposure *e, double time_s, const pl_choice *choice,
                            pl_tile_fn done) {
   pl_renderer *renderer = e->renderer;
-  pl_arena *arena = &renderer->instants;
   const pl_frame_request *request = e->request;
   const double u = time_s / pl_shutter_window_s(&request->placement);
-  const bool colour = choice->colour;
   const size_t grounds = pl_ground_scenes(renderer->accelerators);
-  pl_survey survey;
+  pl_frame_sky sky;
   const pl_instant *instant;
-  pl_arena_reset(arena);
-  PL_TRY(pl_survey_at(renderer->scene, request, u, e->middle, colour, arena, &survey));
-  if (colour)
-    PL_TRY(pl_frame_sky_view(request->sky, &survey.shot, &request->wish, arena, &survey.view,
-                             &survey.sky));
-  PL_TRY(pl_realise(renderer->accelerators, &survey, choice, arena, &instant));
-  PL_TRY(pl_frame_light_sky(renderer, request, e->plan, instant, true, arena, &survey.sky));
+  PL_TRY(pl_moving_realise(renderer, request, e->plan, e->middle, u, choice, &sky, &instant));
   e->output->shot = &instant->shot;
-  e->output->sky = &survey.sky;
-  PL_TRY(pl_frame_render(renderer, request, instant, &survey.sky, done, e->output));
-  if (colour && choice->settings.slice != NULL)
-    add_stars(choice->settings.slice, &survey.sky, &instant->shot.camera, e->output->film);
+  e->output->sky = &sky;
+  PL_TRY(pl_frame_render(renderer, request, instant, &sky, done, e->output));
+  if (choice->colour && choice->settings.slice != NULL)
+    add_stars(choice->settings.slice, &sky, &instant->shot.camera, e->output->film);
   pl_ground_scenes_release(renderer->accelerators, grounds);
   return PL_OK;
 }

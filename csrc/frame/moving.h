@@ -22,6 +22,13 @@ bool pl_moving_rolls(const pl_frame_request *request, const pl_plan *plan);
 pl_status pl_moving_plan(pl_renderer *renderer, const pl_frame_request *request,
                          const pl_view *middle, bool colour, pl_plan *plan);
 
+/* Places the world at the fraction `u` of the frame's time, and realises it with a choice that the
+ * plan allows. Sets the sky of that instant, with its light if the choice is in colour. All is
+ * valid until the next instant, and has the exposures of `middle`. */
+pl_status pl_moving_realise(pl_renderer *renderer, const pl_frame_request *request,
+                            const pl_plan *plan, const pl_view *middle, double u,
+                            const pl_choice *choice, pl_frame_sky *sky, const pl_instant **out);
+
 /* Renders a frame from what pl_renderer_frame has prepared. `view` and `instant` belong to the
  * middle of the frame; `choice` is used for every instant. */
 pl_status pl_moving_render(pl_renderer *renderer, const pl_frame_request *request,

@@ -17,9 +17,19 @@ typedef struct pl_survey {
 pl_status pl_survey_place(const pl_scene *scene, const pl_frame_request *request,
                           const pl_placement *placement, pl_arena *arena, pl_survey *out);
 
-/* Survey at the fraction `u` of the frame's time, with the exposures of its middle. `lods`: also
- * fits the reflectance levels of detail. */
+/* Survey at the fraction `u` of the frame's time, with the exposures of its middle. */
 pl_status pl_survey_at(const pl_scene *scene, const pl_frame_request *request, double u,
-                       const pl_view *middle, bool lods, pl_arena *arena, pl_survey *out);
+                       const pl_view *middle, pl_arena *arena, pl_survey *out);
+
+/* The detail with which a plan has surfaces shaded. */
+pl_detail pl_plan_detail(const pl_plan *plan);
+/* Makes the plan of a survey. `colour`: reflectance levels of detail are then fitted with the
+ * detail that the other rows keep, stored in the survey's view, and the row that chooses among them
+ * is decided last. */
+pl_status pl_survey_plan(pl_survey *survey, const pl_plan_wish *wish, bool colour, pl_arena *arena,
+                         pl_plan *plan);
+/* Fits the levels for an instant of a frame that has a plan already; nothing if this one uses the
+ * bodies' own laws. */
+pl_status pl_survey_fit(pl_survey *survey, const pl_plan *plan, pl_arena *arena);
 
 #endif

@@ -68,6 +68,17 @@ pl_status pl_plan_solve(const pl_effect *const *effects, size_t count, const pl_
   return PL_OK;
 }
 
+void pl_plan_solve_again(const pl_effect *effect, const pl_view *view, const pl_plan_wish *wish,
+                         pl_plan *plan) {
+  for (size_t i = 0; i < plan->count; i++) {
+    if (plan->rows[i].effect != effect)
+      continue;
+    plan->rows[i] = (pl_plan_row){.effect = effect};
+    solve_row(view, wish, (wish->force_on >> i & 1u) != 0, (wish->force_off >> i & 1u) != 0,
+              &plan->rows[i]);
+  }
+}
+
 const pl_plan_row *pl_plan_row_of(const pl_plan *plan, const pl_effect *effect) {
   for (size_t i = 0; i < plan->count; i++)
     if (plan->rows[i].effect == effect)

@@ -35,6 +35,10 @@ typedef struct pl_plan_wish {
 pl_status pl_plan_solve(const pl_effect *const *effects, size_t count, const pl_view *view,
                         const pl_plan_wish *wish, pl_plan *out);
 
+/* Decides the row of one effect again, with a view in which more is known. */
+void pl_plan_solve_again(const pl_effect *effect, const pl_view *view, const pl_plan_wish *wish,
+                         pl_plan *plan);
+
 /* Returns the row of an effect; NULL if it is not in the plan. */
 const pl_plan_row *pl_plan_row_of(const pl_plan *plan, const pl_effect *effect);
 /* Returns the value of an effect in the plan; 0 when it is off or not in the plan. */

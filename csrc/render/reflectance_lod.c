@@ -26,6 +26,7 @@ typedef struct law_point {
 typedef struct law_samples {
   const pl_snapshot *shot;
   pl_surface_id surface_id;
+  pl_detail detail;
   bool mapped;
   double x0, y0, dx, dy; /* pixels: position of the first ray, and spacing of the rays */
   law_point points[POINTS];
@@ -71,7 +72,7 @@ static void measure(const law_samples *s, double u, double v, law_point *out) {
   if (!meets(s, u, v, &beam, &vertex))
     return;
   out->seen = true;
-  pl_vertex_shade(s->shot, &beam, PL_DETAIL_FULL, &vertex);
+  pl_vertex_shade(s->shot, &beam, s->detail, &vertex);
   pl_surface *surface = &vertex.surface;
   const pl_sun_view sun = pl_sun_view_at(&s->shot->sun, vertex.position);
   const pl_vec3f view = pl_vec3_to_float(pl_vec3_scale(beam.direction, -1.0));
@@ -235,7 +236,8 @@ static bool has_others(const pl_shot_body *body) {
          body->body->reflectance == &pl_reflectance_hapke;
 }
 
-pl_status pl_reflectance_lod_fit(const pl_snapshot *shot, pl_arena *arena, pl_view *view) {
+pl_status pl_reflectance_lod_fit(const pl_snapshot *shot, pl_detail detail, pl_arena *arena,
+                                 pl_view *view) {
   pl_view_thing *things = NULL;
   for (size_t i = 0; i < shot->body_count; i++) {
     const pl_shot_body *body = &shot->bodies[i];
@@ -247,6 +249,7 @@ pl_status pl_reflectance_lod_fit(const pl_snapshot *shot, pl_arena *arena, pl_vi
     if (things == NULL || samples == NULL)
       return pl_fail(PL_E_MEMORY, "out of memory for photometric laws");
     samples->shot = shot;
+    samples->detail = detail;
     samples->surface_id = pl_surface_of_body(i);
     samples->mapped =
         body->body->map != NULL || body->body->regolith_map != NULL ||

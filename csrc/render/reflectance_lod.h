@@ -5,9 +5,10 @@
 #include "render/render.h"
 
 /* For every body in the frame with Hapke's law: measures the errors of the cheaper laws at visible
- * points, and so for the angles in view, and stores them in the view, whose things are copied to
- * `arena` for that. */
-pl_status pl_reflectance_lod_fit(const pl_snapshot *shot, pl_arena *arena, pl_view *view);
+ * points, and so for the angles in view, shaded with `detail`, and stores them in the view, whose
+ * things are copied to `arena` for that. */
+pl_status pl_reflectance_lod_fit(const pl_snapshot *shot, pl_detail detail, pl_arena *arena,
+                                 pl_view *view);
 
 /* Replaces the law of a shaded vertex that the camera sees by that of the settings. Leaves out
  * bodies that others light, because that light arrives at other angles than those measured. */
