@@ -1,26 +1,14 @@
 /* Writes OpenEXR files through its C library, OpenEXRCore. */
 #include "io/exr.h"
 
-#include <OpenEXR/openexr.h>
 #include <stdbool.h>
 #include <string.h>
 
-#include "base/memory.h"
+#include "io/exr_settings.h"
 
-enum { MAX_SIDE = 65536, MAX_NAME = 255, PART = 0 };
+enum { MAX_SIDE = PL_EXR_MAX_SIDE, MAX_NAME = 255, PART = 0 };
 
 static const exr_pixel_type_t pixel_types[] = {EXR_PIXEL_UINT, EXR_PIXEL_HALF, EXR_PIXEL_FLOAT};
-
-static void *on_allocate(size_t size) { return pl_alloc(size, 1); }
-
-static void on_free(void *memory) { pl_free(memory); }
-
-/* Errors are told by the status; the default handler prints. */
-static void on_error(exr_const_context_t context, exr_result_t code, const char *text) {
-  (void)context;
-  (void)code;
-  (void)text;
-}
 
 static int64_t on_write(exr_const_context_t context, void *user, const void *from, uint64_t count,
                         uint64_t offset, exr_stream_error_func_ptr_t fail) {
@@ -123,11 +111,7 @@ static exr_result_t write_lines(exr_context_t context, int width, int height,
 pl_status pl_exr_encode(int width, int height, const pl_exr_channel *channels, size_t channel_count,
                         const pl_exr_text *texts, size_t text_count, int level, pl_bytes *out) {
   PL_TRY(check(width, height, channels, channel_count, level));
-  exr_context_initializer_t settings = EXR_DEFAULT_CONTEXT_INITIALIZER;
-  settings.error_handler_fn = on_error;
-  settings.alloc_fn = on_allocate;
-  settings.free_fn = on_free;
-  settings.user_data = out;
+  exr_context_initializer_t settings = pl_exr_settings(out);
   settings.write_fn = on_write;
   exr_context_t context;
   PL_TRY(told(exr_start_write(&context, "memory.exr", EXR_WRITE_FILE_DIRECTLY, &settings)));

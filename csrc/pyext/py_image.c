@@ -1,8 +1,11 @@
 /* Image files: PNG and OpenEXR. */
 #include "pyext/py_image.h"
 
+#include <string.h>
+
 #include "base/memory.h"
 #include "io/exr.h"
+#include "io/exr_read.h"
 #include "io/image_file.h"
 #include "io/png_write.h"
 #include "pyext/py_types.h"
@@ -176,5 +179,39 @@ PyObject *pl_py_exr_encode(PyObject *module, PyObject *args) {
     Py_XDECREF(owners[i]);
   pl_free(owners);
   pl_free(channels);
+  return result;
+}
+
+/* The planes as a dict of arrays (height, width); NULL with an exception. */
+static PyObject *planes_dict(const pl_exr_image *image) {
+  static const int types[] = {
+      [PL_EXR_UINT] = NPY_UINT32, [PL_EXR_HALF] = NPY_HALF, [PL_EXR_FLOAT] = NPY_FLOAT};
+  const npy_intp shape[2] = {image->height, image->width};
+  PyObject *result = PyDict_New();
+  for (size_t i = 0; result != NULL && i < image->count; i++) {
+    const pl_exr_plane *plane = &image->planes[i];
+    PyObject *array = PyArray_SimpleNew(2, shape, types[plane->type]);
+    if (array != NULL)
+      memcpy(PyArray_DATA((PyArrayObject *)array), plane->samples,
+             (size_t)PyArray_NBYTES((PyArrayObject *)array));
+    if (array == NULL || PyDict_SetItemString(result, plane->name, array) != 0)
+      Py_CLEAR(result);
+    Py_XDECREF(array);
+  }
+  return result;
+}
+
+PyObject *pl_py_exr_decode(PyObject *module, PyObject *args) {
+  const char *bytes, *name;
+  Py_ssize_t size;
+  pl_exr_image image;
+  pl_status status;
+  (void)module;
+  if (!PyArg_ParseTuple(args, "y#s:exr_decode", &bytes, &size, &name))
+    return NULL;
+  Py_BEGIN_ALLOW_THREADS status = pl_exr_decode(bytes, (size_t)size, name, &image);
+  Py_END_ALLOW_THREADS if (status != PL_OK) return pl_py_raise(status);
+  PyObject *result = planes_dict(&image);
+  pl_exr_image_clear(&image);
   return result;
 }

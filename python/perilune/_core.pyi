@@ -552,6 +552,10 @@ def exr_encode(channels: list[tuple[str, NDArray[Any]]], text: str, level: int, 
     """An OpenEXR file, ZIP at a level of 1 to 9, of planes (H, W): uint32, float16 or float32.
     text: the attribute `perilune` of the header."""
 
+def exr_decode(data: bytes, name: str, /) -> dict[str, NDArray[Any]]:
+    """The planes (H, W) of an OpenEXR file of one part, by name: uint32, float16 or float32.
+    ValueError, with `name`, for a damaged file, tiles or subsampled channels."""
+
 def png_write(path: str, array: NDArray[Any], level: int = 6) -> None:
     """Writes uint8 (H,W), (H,W,3), (H,W,4) or uint16 (H,W); atomic (temporary file and rename)."""
 

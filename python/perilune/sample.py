@@ -52,6 +52,9 @@ class Sample(Mapping[str, Array]):
             drivers         key path -> value
             scene_drivers   the same for the scene's first step, if it differs
             overrides       key path -> value: changes by with_overrides, Dataset.set, Stream.set
+            lens            {"model", "coefficients"} of the picture's distortion, or None; labels
+                            have that of `camera`
+            shutter         {"exposure_s", "line_time_s"}: times of a row, and from row to row
             white_radiance  W m-2 sr-1 shown as 255; None if an automatic exposure was not measured,
                             because only labels were asked for
             timings_s       duration of each stage of the rendering

@@ -19,6 +19,7 @@ from perilune.base.same import Same
 from perilune.base.timeline import Timeline
 from perilune.bodies.shapes import BodyShape
 from perilune.camera import bands, trajectories
+from perilune.camera.optics import picture_lens, shutter_times
 from perilune.config import Config, ConfigError
 from perilune.config.errors import named
 from perilune.document import Document, load
@@ -482,6 +483,8 @@ class Simulation(RangeSensors):
             "scene_drivers": self._document.scene_values(scene.index),
             "overrides": dict(self._document.changes),
             "articulation": {name: row.meta for name, row in posed.items()},
+            "lens": picture_lens(scene.config.camera),
+            "shutter": shutter_times(scene.config.camera),
             "white_radiance": None if np.isnan(white) else white,
             "timings_s": result["timings_s"],
         }

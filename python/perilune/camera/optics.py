@@ -15,6 +15,19 @@ from perilune.config.camera import Camera
 F64 = NDArray[np.float64]
 
 
+def picture_lens(camera: Camera) -> dict[str, Any] | None:
+    """Distortion of the pictures, as metadata has it: {"model", "coefficients"}; None without.
+    Labels may be without it (lens.labels: undistorted)."""
+    found = lens_of(camera)
+    return None if found is None else {"model": found[0], "coefficients": found[1].tolist()}
+
+
+def shutter_times(camera: Camera) -> dict[str, float]:
+    """Times of the shutter, as metadata has them, s. An automatic exposure of the sensor is told
+    beside them (`exposure_s`)."""
+    return {"exposure_s": camera.exposure_time_s, "line_time_s": 1e-6 * camera.line_time_us}
+
+
 def lens_of(camera: Camera) -> tuple[str, F64] | None:
     """Model and coefficients of the distortion, in the core's form."""
     lens = camera.lens

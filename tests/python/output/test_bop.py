@@ -25,6 +25,7 @@ from perilune.export.writers.bop import LABELS
 
 FRAMES = range(6)
 CHANNELS = ("rgb", *LABELS)
+JSON = ("camera", "gt", "gt_info", "gt_coco", "frames")
 
 
 def read_image(path):
@@ -98,7 +99,7 @@ def test_layout_is_exactly_the_formats(dataset):
     expected |= {"models_eval/models_info.json", "models_eval/obj_000005.ply"}
     for scene, images in ((0, 4), (1, 2)):
         folder = f"train/{scene:06d}"
-        expected |= {f"{folder}/scene_{k}.json" for k in ("camera", "gt", "gt_info", "gt_coco")}
+        expected |= {f"{folder}/scene_{k}.json" for k in JSON}
         for image in range(images):
             expected |= {f"{folder}/rgb/{image:06d}.png", f"{folder}/depth/{image:06d}.png"}
             for name in ("mask", "mask_visib"):
@@ -274,9 +275,7 @@ class Counted:
         return self._sim.frame(index, **options)
 
 
-@pytest.mark.parametrize(
-    "name", ["scene_gt.json", "scene_camera.json", "scene_gt_info.json", "scene_gt_coco.json"]
-)
+@pytest.mark.parametrize("name", [f"scene_{name}.json" for name in JSON])
 def test_chunk_without_its_json_is_made_again(sim, dataset, tmp_path, name):
     out = tmp_path / "probes"
     perilune.write_bop(sim, FRAMES, out, chunk_size=4, threads=1)

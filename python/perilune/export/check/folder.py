@@ -17,7 +17,7 @@ from perilune.export.writers.files import CARD_FILE, PARTIAL, SOURCE_FILE
 from perilune.export.writers.formats import record as records
 from perilune.export.writers.formats.base import Format, PackReader
 from perilune.export.writers.formats.card import card_text
-from perilune.export.writers.formats.folder import SUMS, frame_of
+from perilune.export.writers.formats.folder import SUMS, frame_of, record_for, rendered_for
 from perilune.export.writers.formats.info import folder_info
 from perilune.export.writers.formats.packs import CHUNKS, file_sums
 from perilune.export.writers.lock import LOCK_FILE, writing_process
@@ -190,14 +190,14 @@ class FolderCheck:
         self._report.note(told)
 
     def _compare(self, sim: Simulation, index: int) -> None:
-        names = [name for name, row in self._info["channels"].items() if not _is_ground(name, row)]
-        sample = sim.frame(index, channels=[*dict.fromkeys([*names, *_with_tables(self._info)])])
-        tables: dict[str, Any] = dict(sim.ground_tables(sample)) if _with_tables(self._info) else {}
+        sample = sim.frame(index, channels=rendered_for(sim, self._info))
+        with_tables = any(name in self._info["channels"] for name in TABLES)
+        tables: dict[str, Any] = dict(sim.ground_tables(sample)) if with_tables else {}
         if self._fmt.needs_next:
             follows = sim.timeline.beside(index, 1)
             shown = self._info["picture"]
             tables[NEXT] = (sample if follows is None else sim.frame(follows, [shown]))[shown]
-        base = records.record_of(sample, list(sim.config.spacecraft))
+        base = record_for(sim, self._info, sample)
         encoded = self._fmt.encode(self._info, frame_of(self._info, sample, tables, base))
         found = self._records[index]
         path, told = self._frame_path(index), "is not what the configuration makes"
@@ -209,16 +209,6 @@ class FolderCheck:
             self._report.need(same, path, f"frame {index}: {name} {told}")
         labels = json.loads(json.dumps(encoded.labels))
         self._report.need(labels == found.get("labels"), path, f"frame {index}: labels {told}")
-
-
-def _is_ground(name: str, row: Mapping[str, Any]) -> bool:
-    return name in TABLES
-
-
-def _with_tables(info: Mapping[str, Any]) -> list[str]:
-    """Channels that tables of the ground are made of; empty without tables."""
-    asked = [name for name in TABLES if name in info["channels"]]
-    return [*(name for table in asked for name in TABLES[table]), *(["instance"] if asked else [])]
 
 
 def check_folder(

@@ -29,11 +29,13 @@ Box = Annotated[list[int], Field(min_length=4, max_length=4)]
 Id = Annotated[str, Field(pattern=r"^(0|[1-9][0-9]*)$")]
 
 
-class _Exact(BaseModel):
+class Exact(BaseModel):
+    """An object of a JSON file: these keys, and no others."""
+
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
 
 
-class Camera(_Exact):
+class Camera(Exact):
     """camera.json."""
 
     cx: Number
@@ -45,7 +47,7 @@ class Camera(_Exact):
     width: Annotated[int, Field(ge=1, le=LARGEST_SIDE)]
 
 
-class Frame(_Exact):
+class Frame(Exact):
     """Index of a frame, and values of its drivers by key path."""
 
     index: Annotated[int, Field(ge=0)]
@@ -54,7 +56,7 @@ class Frame(_Exact):
     overrides: dict[str, JsonValue] = Field(default_factory=dict)
 
 
-class CameraRow(_Exact):
+class CameraRow(Exact):
     """The camera in the middle of the exposure of a row."""
 
     row: Count
@@ -62,7 +64,7 @@ class CameraRow(_Exact):
     cam_t_w2c: Three
 
 
-class SceneCamera(_Exact):
+class SceneCamera(Exact):
     """An entry of scene_camera.json."""
 
     cam_K: Nine  # noqa: N815
@@ -75,7 +77,7 @@ class SceneCamera(_Exact):
     """Under a rolling shutter."""
 
 
-class PoseRow(_Exact):
+class PoseRow(Exact):
     """An instance in the middle of the exposure of a row."""
 
     row: Count
@@ -84,7 +86,7 @@ class PoseRow(_Exact):
     articulation: dict[str, Sixteen] | None = None
 
 
-class Pose(_Exact):
+class Pose(Exact):
     """An entry of scene_gt.json."""
 
     cam_R_m2c: Nine  # noqa: N815
@@ -97,7 +99,7 @@ class Pose(_Exact):
     axes."""
 
 
-class Info(_Exact):
+class Info(Exact):
     """An entry of scene_gt_info.json."""
 
     bbox_obj: Box
@@ -108,14 +110,14 @@ class Info(_Exact):
     visib_fract: Annotated[float, Field(ge=0.0, le=1.0)]
 
 
-class Runs(_Exact):
+class Runs(Exact):
     """Uncompressed run lengths."""
 
     counts: list[Count]
     size: Annotated[list[Count], Field(min_length=2, max_length=2)]
 
 
-class Annotation(_Exact):
+class Annotation(Exact):
     """An entry of `annotations` of the COCO file."""
 
     area: Count
@@ -130,7 +132,7 @@ class Annotation(_Exact):
     width: int
 
 
-class Image(_Exact):
+class Image(Exact):
     """An entry of `images` of the COCO file."""
 
     coco_url: str
@@ -143,7 +145,7 @@ class Image(_Exact):
     width: int
 
 
-class Category(_Exact):
+class Category(Exact):
     """An entry of `categories` of the COCO file."""
 
     id: Count
@@ -151,7 +153,7 @@ class Category(_Exact):
     supercategory: str
 
 
-class CocoInfo(_Exact):
+class CocoInfo(Exact):
     """`info` of the COCO file."""
 
     contributor: str
@@ -162,7 +164,7 @@ class CocoInfo(_Exact):
     year: int
 
 
-class Coco(_Exact):
+class Coco(Exact):
     """scene_gt_coco.json."""
 
     annotations: list[Annotation]
@@ -172,14 +174,14 @@ class Coco(_Exact):
     licenses: list[dict[str, Any]]
 
 
-class Line(_Exact):
+class Line(Exact):
     """A continuous symmetry."""
 
     axis: Three
     offset: Three
 
 
-class ModelInfo(_Exact):
+class ModelInfo(Exact):
     """An entry of models_info.json."""
 
     diameter: Positive
@@ -213,14 +215,14 @@ class PartInfo(ModelInfo):
     instance names."""
 
 
-class SensorEntry(_Exact):
+class SensorEntry(Exact):
     """An entry of `sensors` of dataset_info.json."""
 
     name: str
     trigger_interval: Annotated[int, Field(ge=1)]
 
 
-class Channel(_Exact):
+class Channel(Exact):
     """An entry of `channels` of dataset_info.json: files in addition to BOP's."""
 
     components: Count | None
@@ -245,6 +247,8 @@ class Source(BaseModel):
     """Folder -> channel of the images other than labels; empty: `rgb` alone."""
     channels: dict[str, Channel] = {}
     """Channels in addition to BOP's, a folder each."""
+    keypoints: dict[str, list[str]] | None = None
+    """Object -> names of its keypoints; None: the scenes have no file of them."""
     split: Annotated[str, Field(pattern="^[a-z0-9]+(_[a-z0-9]+)?$")]
 
 

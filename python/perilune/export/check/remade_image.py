@@ -18,9 +18,10 @@ from perilune.export.check.reopened import Remake
 from perilune.export.writers.bop_files import (
     CAMERA_FILE,
     COCO_FILE,
+    FRAMES_FILE,
     GT_FILE,
     INFO_FILE,
-    SceneFolder,
+    KEYPOINTS_FILE,
 )
 from perilune.sample import Sample
 
@@ -29,7 +30,8 @@ def json_files(record: Any) -> dict[str, Any]:
     """File -> expected content for one image; annotations without their ids."""
     entry = json.loads(json.dumps(vars(record)))
     names = {"camera": CAMERA_FILE, "gt": GT_FILE, "gt_info": INFO_FILE, "annotations": COCO_FILE}
-    return {name: entry[key] for key, name in names.items() if key in entry}
+    names |= {"frame": FRAMES_FILE, "keypoints": KEYPOINTS_FILE}
+    return {name: entry[key] for key, name in names.items() if entry.get(key) is not None}
 
 
 class RemadeScene:
@@ -40,9 +42,9 @@ class RemadeScene:
         self.remake = remake
         self.folder = folder
         self.scene_id = int(folder.name)
-        self.made: SceneFolder = remake.job.folder(self.scene_id)
         self.colour = colour
-        self.tables = {name: _load(folder / name) for name in (CAMERA_FILE, GT_FILE, INFO_FILE)}
+        self.made = remake.job.folder(self.scene_id)
+        self.tables = {name: _load(folder / name) for name in self.made.json_files}
         self.tables[COCO_FILE] = _annotations(_load(folder / COCO_FILE))
         self.made.prepare()
 

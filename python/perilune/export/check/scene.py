@@ -10,6 +10,7 @@ from pydantic import TypeAdapter
 from perilune.base.timeline import Timeline
 from perilune.export.check.beside import fault
 from perilune.export.check.findings import Report
+from perilune.export.check.frames import check_frames
 from perilune.export.check.image import ImageCheck, ImageLabels
 from perilune.export.check.records import (
     Annotation,
@@ -28,7 +29,6 @@ from perilune.export.writers.bop_files import (
     GT_FILE,
     INFO_FILE,
     RGB_FOLDER,
-    SCENE_FILES,
     SceneFolder,
 )
 from perilune.export.writers.bop_labels import CocoHeader
@@ -59,7 +59,7 @@ def _same_images(report: Report, folder: Path, tables: Mapping[str, Mapping[str,
 def _check_files(report: Report, scene: SceneFolder, poses: Mapping[str, list[Pose]]) -> None:
     """Checks that exactly the files that the labels require are there."""
     folder = scene.folder
-    wanted = set(SCENE_FILES)
+    wanted = set(scene.json_files)
     for key, instances in poses.items():
         wanted |= scene.files_of(int(key), len(instances))
     present = set()
@@ -68,7 +68,7 @@ def _check_files(report: Report, scene: SceneFolder, poses: Mapping[str, list[Po
             present |= {f"{path.name}/{entry.name}" for entry in path.iterdir()}
         elif path.name not in _FREE:
             present.add(path.name)
-    for name in sorted(wanted - present - set(SCENE_FILES)):
+    for name in sorted(wanted - present - set(scene.json_files)):
         report.add(folder / name, "is missing")
     for name in sorted(present - wanted):
         report.add(folder / name, "is not part of the dataset")
@@ -134,7 +134,8 @@ def check_scene(
     if cameras is None or poses is None or infos is None or coco is None:
         return
     beside = {name: channel.file for name, channel in source.channels.items()}
-    scene = SceneFolder(folder, source.pictures or (RGB_FOLDER,), beside)
+    points = source.keypoints is not None
+    scene = SceneFolder(folder, source.pictures or (RGB_FOLDER,), beside, points)
     _check_files(report, scene, poses)
     header = CocoHeader(source.dataset_name, source.split, tuple(meshes), *size)
     annotations = _check_coco(report, folder / COCO_FILE, coco, header)
@@ -146,6 +147,7 @@ def check_scene(
     reason = f"image {most} is beyond the chunk size, {source.chunk_size}"
     report.need(most < source.chunk_size, folder / CAMERA_FILE, reason)
     _check_sensors(report, folder, source, cameras)
+    check_frames(report, folder, source, cameras, size)
     for key, camera in cameras.items():
         report.images += 1
         labels = ImageLabels(camera, poses[key], infos[key], listed[key])

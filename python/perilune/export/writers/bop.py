@@ -42,6 +42,7 @@ from perilune.export.writers.files import (
     write_other_text,
     write_text,
 )
+from perilune.export.writers.formats.record import plain, record_of
 from perilune.export.writers.run import Begun, write_datasets
 from perilune.export.writers.same_source import check_same_source
 from perilune.export.writers.shards import Shard
@@ -134,6 +135,21 @@ def camera_record(sample: Sample, scale_mm: float) -> dict[str, Any]:
     }
 
 
+def frame_entry(sample: Sample) -> dict[str, Any]:
+    """One entry of scene_frames.json: index, camera and metadata, as in the records of other
+    formats."""
+    return record_of(sample, None)
+
+
+def keypoint_rows(sample: Sample) -> list[dict[str, Any]]:
+    """One entry of scene_keypoints.json: the rows of Sample.keypoints; null where a number is
+    not finite."""
+    names = sample.keypoints.dtype.names or ()
+    columns = {name: sample.keypoints[name].tolist() for name in names}
+    count = len(sample.keypoints)
+    return [{name: plain(columns[name][k]) for name in names} for k in range(count)]
+
+
 def _write_mask(path: Path, mask: Mask) -> None:
     _core.png_write(str(path), np.where(mask, _MASK_ON, np.uint8(0)), PNG_LEVEL)
 
@@ -147,11 +163,13 @@ def write_image(
     pictures: Mapping[str, str],
     channels: Mapping[str, ChannelFiles],
     tables: Mapping[str, NDArray[Any]],
+    keypoints: bool = False,
 ) -> Record:
     """Writes the files of one frame into its scene folder, its record last.
 
     names: spacecraft in the order of the sample's objects. pictures: folder -> channel. channels:
-    channels written in addition to BOP's. tables: those among them that are tables."""
+    channels written in addition to BOP's. tables: those among them that are tables. keypoints:
+    whether they are written."""
     depth_m, instance = sample["depth"], sample["instance"]
     annotated = np.isin(instance, sample.objects["instance_id"])
     # Where no object is seen, depth is that of all that is.
@@ -164,7 +182,8 @@ def write_image(
         values = tables[name] if name in tables else sample[name]
         files.write(folder.channel(im_id, name), values)
     _core.png_write(str(folder.depth(im_id)), depth, PNG_LEVEL)
-    record = Record(camera_record(sample, scale_mm), [], [], [])
+    points = keypoint_rows(sample) if keypoints else None
+    record = Record(camera_record(sample, scale_mm), [], [], [], frame_entry(sample), points)
     moving = sample.meta["articulation"]
     for gt_id, (name, row) in enumerate(zip(names, sample.objects, strict=True)):
         mask, visible = sample["masks"][gt_id] != 0, instance == row["instance_id"]
@@ -193,6 +212,8 @@ class Job:
     """Folder -> channel."""
     beside: Mapping[str, ChannelFiles]
     """Channels written in addition to BOP's."""
+    keypoints: bool = False
+    """Whether the scenes have keypoints."""
     images_of: dict[int, dict[int, int]] = field(default_factory=dict)
     """Scene id -> image id -> frame index, for all images of the call."""
     _good: dict[int, set[int]] = field(default_factory=dict)
@@ -209,14 +230,16 @@ class Job:
     def folder(self, scene_id: int) -> SceneFolder:
         """Folder of a scene."""
         beside = {name: files.suffix for name, files in self.beside.items()}
-        return SceneFolder(self.split_folder / f"{scene_id:06d}", self.pictures, beside)
+        path = self.split_folder / f"{scene_id:06d}"
+        return SceneFolder(path, self.pictures, beside, self.keypoints)
 
     @property
     def channels(self) -> list[str]:
         """Channels rendered for a frame."""
         plain = [name for name in self.beside if name not in TABLES]
         of_tables = [name for table in self.tables for name in TABLES[table]]
-        return list(dict.fromkeys((*self.pictures.values(), *LABELS, *plain, *of_tables)))
+        points = [KEYPOINTS] if self.keypoints else []
+        return list(dict.fromkeys((*self.pictures.values(), *LABELS, *plain, *of_tables, *points)))
 
     @property
     def tables(self) -> list[str]:
@@ -237,7 +260,15 @@ class Job:
             found = self.sim.ground_tables(sample) if self.tables else {}
             tables = {table: found[table] for table in self.tables}
         return write_image(
-            folder, im_id, sample, names, self.origins_m, self.pictures, self.beside, tables
+            folder,
+            im_id,
+            sample,
+            names,
+            self.origins_m,
+            self.pictures,
+            self.beside,
+            tables,
+            self.keypoints,
         )
 
     def find(self, images_of: Mapping[int, Mapping[int, int]], chunk_size: int) -> None:
@@ -296,12 +327,6 @@ def _write_source(
     """Writes the description of the simulation; refuses the folder of another one."""
     refuse_unfit(sim)
     models = bop_models(sim)
-    if KEYPOINTS in sim.config.render.channels:
-        _log.warning(
-            "%s: render.channels: scene folders of BOP have no place for 'keypoints'; coco, "
-            "yolo-pose, npz, webdataset and hdf5 hold them",
-            sim.document.source,
-        )
     if not models:
         _log.warning(
             "%s: spacecraft: there is none, so the dataset has no model, pose, mask or annotation; "
@@ -336,7 +361,8 @@ def open_job(
     size = nominal_camera(sim)
     header = CocoHeader(dataset_name(sim), split, tuple(models), size.width, size.height)
     shown, beside = pictures(sim), channel_files(sim)
-    return Job(sim, root / split, origins_m, header, shown, beside)
+    keypoints = KEYPOINTS in sim.config.render.channels
+    return Job(sim, root / split, origins_m, header, shown, beside, keypoints)
 
 
 def open_bop(begun: Begun) -> Job:

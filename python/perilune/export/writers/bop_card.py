@@ -6,7 +6,9 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from perilune.export.writers.bop_files import FRAMES_FILE, KEYPOINTS_FILE
 from perilune.export.writers.bop_labels import LEAST_VISIBLE
+from perilune.export.writers.config_file import CONFIG_FILE
 from perilune.export.writers.files import SOURCE_FILE
 
 _SHOWN = {
@@ -66,6 +68,13 @@ def _picture_lines(info: Mapping[str, Any]) -> Iterable[str]:
         layers = f", {count} values a pixel" if count else ""
         names = f"; `{SOURCE_FILE}` names the ids" if name in info.get("labels", {}) else ""
         yield f"* `{name}/`: {row['file'].upper()}, {row['dtype']}{layers}{names}"
+
+
+def _keypoint_lines(info: Mapping[str, Any]) -> list[str]:
+    if "keypoints" not in info:
+        return []
+    count = sum(map(len, info["keypoints"].values()))
+    return [f"* `{KEYPOINTS_FILE}` in each scene: {count} keypoints and landmarks"]
 
 
 def _sensor_lines(sensors: list[dict[str, Any]]) -> list[str]:
@@ -131,6 +140,9 @@ def card(
         *empty,
         *_sensor_lines(info.get("sensors", [])),
         *_picture_lines(info),
+        f"* `{FRAMES_FILE}` in each scene: camera with its lens, date, Sun, states, exposure and "
+        "effects of each image",
+        *_keypoint_lines(info),
         "",
         *_object_lines(found),
         "",
@@ -138,10 +150,10 @@ def card(
         "",
         *([_ROLLING, ""] if info.get("rolling_shutter") else []),
         f"Configuration `{info['config_name']}` (SHA-256 of its content "
-        f"{info['config_sha256']}), seed {info['seed']}; `{SOURCE_FILE}` holds versions and the "
-        "hashes of models and maps. Planets are no annotated objects. Depth is that of everything "
-        "seen up to the farthest annotated surface, and beyond it may be 0; in images without an "
-        "annotated surface it is that of all that is seen. Labels are those of the ray through a "
-        "pixel's centre.",
+        f"{info['config_sha256']}; `{CONFIG_FILE}` has it whole), seed {info['seed']}; "
+        f"`{SOURCE_FILE}` holds versions and the hashes of models and maps. Planets are no "
+        "annotated objects. Depth is that of everything seen up to the farthest annotated surface, "
+        "and beyond it may be 0; in images without an annotated surface it is that of all that is "
+        "seen. Labels are those of the ray through a pixel's centre.",
     ]
     return "\n".join(lines) + "\n"

@@ -40,7 +40,12 @@ CAMERA_FILE = "scene_camera.json"
 GT_FILE = "scene_gt.json"
 INFO_FILE = "scene_gt_info.json"
 COCO_FILE = "scene_gt_coco.json"
-SCENE_FILES = (CAMERA_FILE, GT_FILE, INFO_FILE, COCO_FILE)
+FRAMES_FILE = "scene_frames.json"
+"""What is known of each image beyond BOP: camera and metadata, as in the records of other
+formats."""
+SCENE_FILES = (CAMERA_FILE, GT_FILE, INFO_FILE, COCO_FILE, FRAMES_FILE)
+KEYPOINTS_FILE = "scene_keypoints.json"
+"""Rows of Sample.keypoints of each image, if they are asked for."""
 RGB_FOLDER = "rgb"
 LABEL_FOLDERS = ("depth", "mask", "mask_visib")
 
@@ -74,12 +79,19 @@ class Record:
     gt_info: list[dict[str, Any]]
     annotations: list[dict[str, Any]]
     """Annotations of the COCO file without their ids, which count through the scene."""
+    frame: dict[str, Any]
+    keypoints: list[dict[str, Any]] | None = None
+    """None: not asked for."""
 
     @classmethod
     def from_json(cls, value: Mapping[str, Any]) -> Record | None:
         """None if the value is not the `vars` of a record."""
         names = {field.name for field in fields(cls)}
         return cls(**value) if set(value) == names else None
+
+
+_TABLES = {CAMERA_FILE: "camera", GT_FILE: "gt", INFO_FILE: "gt_info", FRAMES_FILE: "frame"}
+"""File of a scene -> the field of a record that is its entry of an image."""
 
 
 class SceneFolder:
@@ -93,13 +105,20 @@ class SceneFolder:
         folder: Path,
         pictures: Iterable[str] = (RGB_FOLDER,),
         channels: Mapping[str, str] | None = None,
+        keypoints: bool = False,
     ) -> None:
         """pictures: folders of the images other than labels. channels: folders of additional
-        channels, each with the suffix of its files."""
+        channels, each with the suffix of its files. keypoints: whether there is a file of them."""
         self.folder = folder
         self.pictures = tuple(pictures)
         self.channels = dict(channels or {})
+        self.tables = _TABLES | ({KEYPOINTS_FILE: "keypoints"} if keypoints else {})
         self._partial = folder / PARTIAL
+
+    @property
+    def json_files(self) -> tuple[str, ...]:
+        """Names of the scene's JSON files."""
+        return (*self.tables, COCO_FILE)
 
     def prepare(self) -> None:
         """Creates the folders, and removes partial files of an interrupted run."""
@@ -134,7 +153,8 @@ class SceneFolder:
 
     def listed(self) -> dict[int, Record]:
         """Images that all JSON files of the scene name; none if one of these files is damaged."""
-        cameras, gts, infos, coco = (load_object(self.folder / name) for name in SCENE_FILES)
+        coco = load_object(self.folder / COCO_FILE)
+        tables = {key: load_object(self.folder / name) for name, key in self.tables.items()}
         try:
             annotations: dict[str, list[dict[str, Any]]] = {
                 str(image["id"]): [] for image in coco.get("images", [])
@@ -143,9 +163,11 @@ class SceneFolder:
                 own = {key: value for key, value in entry.items() if key != "id"}
                 annotations[str(entry["image_id"])].append(own)
             return {
-                int(key): Record(cameras[key], gts[key], infos[key], annotations[key])
-                for key in cameras
-                if key in gts and key in infos and key in annotations
+                int(key): Record(
+                    annotations=entries, **{name: table[key] for name, table in tables.items()}
+                )
+                for key, entries in annotations.items()
+                if all(key in table for table in tables.values())
             }
         except (KeyError, TypeError, ValueError, AttributeError):
             return {}
@@ -179,7 +201,7 @@ class SceneFolder:
     def is_complete(self) -> bool:
         """Whether no part of the scene is still being written."""
         return not (self._partial.exists() or self._has_temporary()) and all(
-            (self.folder / name).is_file() for name in SCENE_FILES
+            (self.folder / name).is_file() for name in self.json_files
         )
 
     def _has_temporary(self) -> bool:
@@ -198,12 +220,8 @@ class SceneFolder:
         """Writes the scene's JSON files, the last step, after which the records are not needed.
 
         Calling it again finishes an interrupted call."""
-        tables: dict[str, dict[int, Any]] = {
-            CAMERA_FILE: {im_id: record.camera for im_id, record in records.items()},
-            GT_FILE: {im_id: record.gt for im_id, record in records.items()},
-            INFO_FILE: {im_id: record.gt_info for im_id, record in records.items()},
-        }
-        for name, table in tables.items():
+        for name, key in self.tables.items():
+            table = {im_id: getattr(record, key) for im_id, record in records.items()}
             write_text(self.folder / name, json_by_id(table))
         coco = header.file({im_id: record.annotations for im_id, record in records.items()})
         write_text(self.folder / COCO_FILE, json_sections(coco))

@@ -18,6 +18,7 @@ from perilune.config.camera import Camera
 from perilune.config.errors import ConfigError
 from perilune.config.file_names import file_names
 from perilune.config.schema import Symmetries
+from perilune.document.references import KEYPOINTS
 from perilune.drivers import Found, path_text
 from perilune.drivers.choice import KIND as CHOICE
 from perilune.export.writers.bop_channels import channel_files, label_names, pictures
@@ -218,6 +219,7 @@ def dataset_info(sim: Simulation, chunk_size: int, split: str) -> dict[str, Any]
     """dataset_info.json: everything needed to make the same dataset again."""
     shown, beside = pictures(sim), channel_files(sim)
     names = label_names(sim, beside)
+    named = {owner: list(rows) for owner, rows in sim.keypoint_names.items()}
     undistorted = any(camera.label_lens for camera in sim.config.cameras.values())
     rolling = any(camera.line_time_us > 0.0 for camera in sim.config.cameras.values())
     return {
@@ -227,4 +229,5 @@ def dataset_info(sim: Simulation, chunk_size: int, split: str) -> dict[str, Any]
         **({"pictures": shown} if shown != {RGB_FOLDER: "rgb"} else {}),
         **({"channels": {k: row.entry() for k, row in beside.items()}} if beside else {}),
         **({"labels": names} if names else {}),
+        **({KEYPOINTS: named} if KEYPOINTS in sim.config.render.channels else {}),
     }

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any, ClassVar
 
 import numpy as np
@@ -12,6 +12,7 @@ from perilune import _core
 from perilune.document.references import MASKS, OBJECTS
 from perilune.export.writers.formats.base import Array, Encoded, Format, Frame, Info, Record
 from perilune.export.writers.formats.channels import IMAGE, STACK, Channel
+from perilune.export.writers.formats.info import channels_of
 
 _LEVEL = 4
 _VECTORS = ("normal", "geometric_normal", "object_coords", "position")
@@ -88,9 +89,36 @@ class Exr(Format):
         return Encoded({f"{frame.key}.exr": data})
 
     def decode(self, info: Info, record: Record, read: Callable[[str], bytes]) -> dict[str, Array]:
-        """Nothing: the core writes OpenEXR and reads none. `perilune check` compares the sums of
-        files, and frames rendered again to the byte."""
-        return {}
+        """All channels; floats in the precision of the file, where half has its largest number
+        for what is beyond."""
+        (file,) = record["files"]
+        planes = _core.exr_decode(read(file), file)
+        found = {}
+        for name, channel in channels_of(info).items():
+            if channel.kind == STACK:
+                size = (record["camera"]["height"], record["camera"]["width"])
+                masks = [planes[f"{name}.{row['name']}"] != 0 for row in record["objects"]]
+                found[name] = np.stack(masks) if masks else np.zeros((0, *size), dtype=bool)
+            elif channel.kind == IMAGE:
+                found[name] = _restored(planes, info, channel)
+        return found
+
+
+def _restored(planes: Mapping[str, Array], info: Info, channel: Channel) -> Array:
+    """A channel from its planes."""
+    count = channel.components
+    if count is None:  # differs between sensors
+        own = sum(plane.startswith(f"{channel.name}.") for plane in planes)
+        plain = f"{channel.name}.V" in planes
+        count = 0 if plain else own
+    names = component_names(info, channel.name, count)
+    values = planes[names[0]] if count == 0 else np.stack([planes[n] for n in names], axis=2)
+    if channel.is_integer:
+        return values.astype(channel.dtype)
+    if values.dtype == np.float16:
+        largest = np.finfo(np.float16).max
+        return np.clip(values, -largest, largest)
+    return values
 
 
 class ExrHalf(Exr):

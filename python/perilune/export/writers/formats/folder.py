@@ -32,6 +32,7 @@ from perilune.export.writers.files import (
 from perilune.export.writers.formats import record as records
 from perilune.export.writers.formats.base import Format, Frame, Record
 from perilune.export.writers.formats.card import write_card
+from perilune.export.writers.formats.channels import asked_channels
 from perilune.export.writers.formats.info import folder_info
 from perilune.export.writers.formats.packs import Pack
 from perilune.export.writers.run import NEXT, Begun, Dataset, Tables
@@ -66,9 +67,7 @@ class FolderDataset(Dataset):
     @property
     def channels(self) -> list[str]:
         """Channels rendered for a frame."""
-        names = [name for name in self.info["channels"] if name not in TABLES]
-        more = [name for table in TABLES if table in self.tables for name in TABLES[table]]
-        return list(dict.fromkeys([*names, *more]))
+        return rendered_for(self.sim, self.info)
 
     @property
     def tables(self) -> list[str]:
@@ -122,7 +121,7 @@ class FolderDataset(Dataset):
 
     def write(self, index: int, sample: Sample, tables: Tables) -> None:
         """Writes the files of a frame, then its record."""
-        base = records.record_of(sample, list(self.sim.config.spacecraft))
+        base = record_for(self.sim, self.info, sample)
         encoded = self.fmt.encode(self.info, frame_of(self.info, sample, tables, base))
         pack = self._packs.get(index // self._chunk_size)
         where = self.folder if pack is None else pack.stage(index)
@@ -163,6 +162,23 @@ def _folders(root: Path) -> Iterator[Path]:
     for path in sorted(root.iterdir()):
         if path.is_dir() and path.name != PARTIAL:
             yield from _folders(path)
+
+
+def rendered_for(sim: Simulation, info: Mapping[str, Any]) -> list[str]:
+    """Channels rendered for a frame of a dataset: its own, and all that the configuration states,
+    since metadata tell more where more is rendered: so a record does not depend on what other
+    formats are written beside."""
+    asked, stated = asked_channels(sim)
+    own = [name for name in info["channels"] if name not in TABLES]
+    tables = [table for table in TABLES if table in info["channels"]]
+    more = [name for table in tables for name in (*TABLES[table], "instance")]
+    return list(dict.fromkeys([*own, *more, *(asked if stated else [])]))
+
+
+def record_for(sim: Simulation, info: Mapping[str, Any], sample: Sample) -> dict[str, Any]:
+    """The record of a frame of a dataset, without files."""
+    with_objects = OBJECTS in info["channels"]
+    return records.record_of(sample, list(sim.config.spacecraft) if with_objects else None)
 
 
 def frame_of(info: Mapping[str, Any], sample: Sample, tables: Tables, record: Record) -> Frame:

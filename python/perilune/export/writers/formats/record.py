@@ -50,8 +50,9 @@ def _objects(sample: Sample, names: list[str]) -> list[dict[str, Any]]:
     ]
 
 
-def record_of(sample: Sample, names: list[str]) -> dict[str, Any]:
-    """The record of a sample, without files. names: spacecraft in the order of its objects."""
+def record_of(sample: Sample, names: list[str] | None) -> dict[str, Any]:
+    """The record of a sample, without files. names: spacecraft in the order of its objects; None:
+    without objects."""
     camera = sample.camera
     lens = camera.lens
     told: dict[str, Any] = {
@@ -65,7 +66,7 @@ def record_of(sample: Sample, names: list[str]) -> dict[str, Any]:
     }
     meta = {key: plain(value) for key, value in sample.meta.items() if key not in _NOT_KEPT}
     record: dict[str, Any] = {"index": sample.meta["index"], "camera": told, "meta": meta}
-    if sample.has_objects:
+    if names is not None:
         record["objects"] = _objects(sample, names)
     return record
 
