@@ -221,7 +221,8 @@ const pl_channel pl_channels[] = {
      "from the pixel to where the next frame sees the same point: right, down; of the sky by the "
      "camera's rotation; nan where it has no image there, or there is no next frame in the scene",
      PL_BLANK_NAN, NULL},
-    {"flow_backward", "float32", 4, 2, "px", "the same to the previous frame", PL_BLANK_NAN, NULL},
+    {"flow_backward", "float32", 4, 2, "px",
+     "the same to the previous frame; nan where there is none", PL_BLANK_NAN, NULL},
     {"flow_occlusion", "uint8", 1, 0, "1",
      "0 where the next frame sees the same point; 1 where something hides it there, it turns away, "
      "lies outside of the picture, or flow is nan",

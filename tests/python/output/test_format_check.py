@@ -19,7 +19,7 @@ from perilune.export.writers.formats.pixels import from_npy, from_png, ids_image
 from perilune.export.writers.formats.tables import FORMATS
 
 CHANNELS = ["rgb", "depth", "semantic", "part", "instance", "objects", "masks", "normal", "flow"]
-CHANNELS += ["flow_occlusion"]
+CHANNELS += ["flow_occlusion", "flow_backward", "range", "position", "keypoints"]
 
 
 @pytest.fixture(scope="module")
@@ -162,8 +162,9 @@ def frame(good):
     record = records.read(folder / "frames/000000.json")
     with FORMATS["hdf5"].unpack(folder / "frames-000000.h5") as reader:
         arrays = FORMATS["hdf5"].decode(info, record, reader.read)
-    assert list(faults(info, record, arrays)) == []
-    return info, record, arrays
+    after = records.read(folder / "frames/000001.json")
+    assert list(faults(info, record, arrays, {1: after}.get)) == []
+    return info, record, arrays, after
 
 
 def seen(arrays, info):
@@ -228,7 +229,67 @@ def plant_another_size(info, record, arrays):
     arrays["depth"] = arrays["depth"][:-1]
 
 
+def plant_a_moved_pose(info, record, arrays):
+    record["objects"][0]["t_m2c"][2] += 1e-3
+
+
+def plant_a_turned_pose(info, record, arrays):
+    rows = record["objects"][0]["R_m2c"]
+    rows[0], rows[1] = rows[1], [-v for v in rows[0]]
+
+
+def plant_another_range(info, record, arrays):
+    (y, x), _ = seen(arrays, info)
+    arrays["range"][y, x] *= 1.00001
+
+
+def plant_another_position(info, record, arrays):
+    (y, x), _ = seen(arrays, info)
+    arrays["position"][y, x, 0] += 0.1
+
+
+def plant_a_depth_of_nothing(info, record, arrays):
+    (y, x), _ = seen(arrays, info)
+    arrays["depth"][y, x] *= 2
+
+
+def plant_a_silhouette_elsewhere(info, record, arrays):
+    arrays["instance"][0, 0] = seen(arrays, info)[1]
+
+
+def plant_a_mask_elsewhere(info, record, arrays):
+    arrays["masks"][0, 0, 0] = 1
+
+
+def plant_a_long_flow(info, record, arrays):
+    (y, x), _ = seen(arrays, info)
+    arrays["flow"][y, x, 0] += 0.1
+
+
+def plant_a_moved_keypoint(info, record, arrays):
+    arrays["keypoints"]["xy"][0, 1] += 0.01
+
+
+def plant_an_unseen_keypoint(info, record, arrays):
+    arrays["keypoints"]["visible"][0] = 0
+
+
+def plant_the_lens_of_another(info, record, arrays):
+    record["camera"]["lens"] = {"model": "brown_conrady", "coefficients": [0.5] + [0.0] * 7}
+
+
 PLANTED = {
+    plant_a_moved_pose: r"object 'probe': t_m2c is 0\.001 m away from its state",
+    plant_a_turned_pose: r"object 'probe': R_m2c is not the attitude of its state",
+    plant_another_range: r"range is not the distance of what depth tells at 1 pixels",
+    plant_another_position: r"position is not where depth tells at 1 pixels",
+    plant_a_depth_of_nothing: r"object 'probe': depth lies up to .* outside of its model's box",
+    plant_a_silhouette_elsewhere: r"object 'probe': it is seen beside its model's box at 1 pixels",
+    plant_a_mask_elsewhere: r"object 'probe': its mask is seen beside its model's box",
+    plant_a_long_flow: r"object 'probe': flow is up to 0\.1 pixels from where depth and motion",
+    plant_a_moved_keypoint: r"object 'probe': keypoint 'nose': xy is",
+    plant_an_unseen_keypoint: r"keypoint 'nose': visible is 0, its image .* lies inside",
+    plant_the_lens_of_another: r"keypoint 'nose': xy is",
     plant_nan: r"depth is nan at 1 pixels, the first at column 0, row 0",
     plant_infinity: r"normal is infinite",
     plant_a_long_normal: r"normal is no unit vector",
@@ -247,11 +308,11 @@ PLANTED = {
 
 @pytest.mark.parametrize("plant", list(PLANTED), ids=lambda plant: plant.__name__)
 def test_planted_faults_are_told(frame, plant):
-    info, record, arrays = frame
+    info, record, arrays, after = frame
     record = json.loads(json.dumps(record))
     arrays = {name: array.copy() for name, array in arrays.items()}
     plant(info, record, arrays)
-    lines = list(faults(info, record, arrays))
+    lines = list(faults(info, record, arrays, {1: after}.get))
     assert any(re.search(PLANTED[plant], line) for line in lines), lines
 
 

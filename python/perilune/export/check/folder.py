@@ -37,6 +37,7 @@ class FolderCheck:
         self._root = report.folder
         self._known = {SOURCE_FILE, CONFIG_FILE, CARD_FILE}
         self._records: dict[int, dict[str, Any]] = {}
+        self._places: dict[tuple[Any, Any, int], dict[str, Any]] | None = None
 
     def run(self, rerender: int | None, base: Path | None, alone: bool, step: Step) -> None:
         """All checks. rerender: frames to render again; None: all."""
@@ -124,10 +125,17 @@ class FolderCheck:
             report.add(self._frame_path(index), f"frame {index}: cannot be decoded: {error}")
             return
         for text in (
-            *faults(self._info, record, arrays),
+            *faults(self._info, record, arrays, lambda steps: self._beside_frame(record, steps)),
             *self._fmt.faults(self._info, record, arrays, read),
         ):
             report.add(self._frame_path(index), f"frame {index}: {text}")
+
+    def _beside_frame(self, record: Mapping[str, Any], steps: int) -> Mapping[str, Any] | None:
+        """The record of the same sensor in the same scene, some steps later."""
+        if self._places is None:
+            self._places = {_place(row): row for row in self._records.values()}
+        sensor, scene, step = _place(record)
+        return self._places.get((sensor, scene, step + steps))
 
     def _frame_path(self, index: int) -> Path:
         return records.path_of(self._root, index)
@@ -209,6 +217,12 @@ class FolderCheck:
             self._report.need(same, path, f"frame {index}: {name} {told}")
         labels = json.loads(json.dumps(encoded.labels))
         self._report.need(labels == found.get("labels"), path, f"frame {index}: labels {told}")
+
+
+def _place(record: Mapping[str, Any]) -> tuple[Any, Any, int]:
+    """Sensor, scene and step of a frame."""
+    meta = record["meta"]
+    return meta["sensor"], meta["scene"], int(meta["step"])
 
 
 def check_folder(

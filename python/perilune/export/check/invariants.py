@@ -8,6 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from perilune.document.references import KEYPOINTS
+from perilune.export.check.geometry import Beside, counted, geometry_faults
+from perilune.export.check.keypoints import keypoint_faults
 from perilune.export.writers.formats.base import Info, Record
 from perilune.export.writers.formats.channels import IMAGE, STACK, TABLE, Channel
 from perilune.export.writers.formats.info import channels_of
@@ -23,12 +26,6 @@ _TURN = 1e-9
 """Largest deviation of a rotation from orthonormal."""
 
 
-def _counted(mask: Array) -> str:
-    """Number of pixels, and the first one."""
-    y, x = np.argwhere(mask)[0][:2].tolist()
-    return f"{np.count_nonzero(mask)} pixels, the first at column {x}, row {y}"
-
-
 def _shape(name: str, array: Array, channel: Channel, record: Record) -> Iterator[str]:
     size = (record["camera"]["height"], record["camera"]["width"])
     found = array.shape[1:3] if channel.kind == STACK else array.shape[:2]
@@ -41,9 +38,9 @@ def _finite(name: str, array: Array, channel: Channel) -> Iterator[str]:
     if array.dtype.kind != "f":
         return
     if np.isinf(array).any():
-        yield f"{name} is infinite at {_counted(np.isinf(array))}"
+        yield f"{name} is infinite at {counted(np.isinf(array))}"
     if "nan" not in channel.doc and np.isnan(array).any():
-        yield f"{name} is nan at {_counted(np.isnan(array))}"
+        yield f"{name} is nan at {counted(np.isnan(array))}"
 
 
 def _known_ids(name: str, array: Array, info: Info, channel: Channel) -> Iterator[str]:
@@ -64,7 +61,7 @@ def _known_ids(name: str, array: Array, info: Info, channel: Channel) -> Iterato
             wrong = ~np.isin(values, ids)
         if wrong.any():
             unknown = np.unique(values[wrong])[:_SHOWN].tolist()
-            yield f"{title} has ids without a name, {unknown}, at {_counted(wrong)}"
+            yield f"{title} has ids without a name, {unknown}, at {counted(wrong)}"
 
 
 def _rotation(R: Any, what: str) -> Iterator[str]:
@@ -97,7 +94,7 @@ def _object(row: Mapping[str, Any], segment: Segment | None, mask: Array | None)
             yield f"{name}: {told}"
         if segment is not None and (segment.mask() & (mask == 0)).any():
             outside = segment.mask() & (mask == 0)
-            yield f"{name}: is seen outside of its mask, at {_counted(outside)}"
+            yield f"{name}: is seen outside of its mask, at {counted(outside)}"
 
 
 def _objects(arrays: Arrays, record: Record) -> Iterator[str]:
@@ -125,7 +122,7 @@ def _parts(arrays: Arrays, info: Info) -> Iterator[str]:
     part = np.clip(arrays["part"].astype(np.int64), 0, len(owner) - 1)
     wrong = owner[part] != arrays["instance"]
     if wrong.any():
-        yield f"part and instance are of different objects at {_counted(wrong)}"
+        yield f"part and instance are of different objects at {counted(wrong)}"
 
 
 def _geometry(arrays: Arrays) -> Iterator[str]:
@@ -134,25 +131,37 @@ def _geometry(arrays: Arrays) -> Iterator[str]:
     for name in ("depth", "range"):
         if name in arrays:
             if (arrays[name] < 0).any():
-                yield f"{name} is below 0 at {_counted(arrays[name] < 0)}"
+                yield f"{name} is below 0 at {counted(arrays[name] < 0)}"
             if hit is not None and (arrays[name][~hit] > 0).any():
                 wrong = (arrays[name] > 0) & ~hit
-                yield f"{name} is above 0 where nothing is hit, at {_counted(wrong)}"
+                yield f"{name} is above 0 where nothing is hit, at {counted(wrong)}"
     for name in ("normal", "geometric_normal"):
         if name in arrays and arrays[name].dtype == np.float32:
             length = np.linalg.norm(arrays[name].astype(np.float64), axis=2)
             wrong = (length > 0.0) & (np.abs(length - 1.0) > _UNIT)
             if wrong.any():
-                yield f"{name} is no unit vector at {_counted(wrong)}"
+                yield f"{name} is no unit vector at {counted(wrong)}"
     for name in ("flow", "flow_backward"):
         hidden = name.replace("flow", "flow_occlusion", 1)
         if name in arrays and hidden in arrays:
             wrong = np.isnan(arrays[name]).any(axis=2) & (arrays[hidden] == 0)
             if wrong.any():
-                yield f"{hidden} is 0 where {name} is nan, at {_counted(wrong)}"
+                yield f"{hidden} is 0 where {name} is nan, at {counted(wrong)}"
 
 
-def faults(info: Info, record: Record, arrays: Arrays) -> Iterator[str]:
+def _texts(table: Array) -> Iterator[dict[str, Any]]:
+    """Rows of a table; its texts may be bytes (HDF5)."""
+    for row in table:
+        values = {name: row[name] for name in table.dtype.names or ()}
+        yield {
+            name: value.decode("utf-8") if isinstance(value, bytes) else value
+            for name, value in values.items()
+        }
+
+
+def faults(
+    info: Info, record: Record, arrays: Arrays, beside: Beside = lambda steps: None
+) -> Iterator[str]:
     """Everything that is wrong with a frame's channels and its record."""
     yield from _rotation(record["camera"]["R_w2c"], "camera: R_w2c")
     known = channels_of(info)
@@ -171,3 +180,6 @@ def faults(info: Info, record: Record, arrays: Arrays) -> Iterator[str]:
     yield from _objects(shaped, record)
     yield from _parts(shaped, info)
     yield from _geometry(shaped)
+    yield from geometry_faults(info, record, shaped, beside)
+    if KEYPOINTS in arrays:
+        yield from keypoint_faults(_texts(arrays[KEYPOINTS]), record["camera"], record["meta"])

@@ -6,11 +6,8 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from perilune import _core
-
-F64 = NDArray[np.float64]
+from perilune.export.check.geometry import project
 
 _PIXELS = 1e-6
 """Largest distance of a point's image from its projected place."""
@@ -22,13 +19,6 @@ def _number(value: Any) -> float:
     return np.nan if value is None else float(value)
 
 
-def _projected(camera: Mapping[str, Any], points: F64) -> F64:
-    """Pixels (n, 2) of points (n, 3) in camera axes. camera: of a frame's record."""
-    lens = camera["lens"]
-    told = None if lens is None else (lens["model"], np.array(lens["coefficients"], np.float64))
-    return _core.project(np.array(camera["K"], np.float64), told, points)
-
-
 def keypoint_faults(
     rows: Iterable[Any], camera: Mapping[str, Any], meta: Mapping[str, Any]
 ) -> Iterator[str]:
@@ -37,7 +27,7 @@ def keypoint_faults(
     size = (camera["width"], camera["height"])
     table = list(rows)
     places = np.array([[_number(v) for v in row["position_m"]] for row in table], np.float64)
-    images = _projected(camera, np.ascontiguousarray(places.reshape(-1, 3)))
+    images = project(camera, places.reshape(-1, 3))
     for row, place, image in zip(table, places, images, strict=True):
         who = f"object '{row['object']}': keypoint '{row['name']}'"
         x, y = (_number(value) for value in row["xy"])

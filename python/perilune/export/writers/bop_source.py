@@ -45,6 +45,12 @@ def _varies_size(driver: Found) -> bool:
     return any(entry != entries[0] for entry in entries)
 
 
+def driven_size(sim: Simulation, name: str) -> bool:
+    """Whether the size of a spacecraft varies from frame to frame."""
+    rows = (driver for driver in sim.document.drivers if driver.path[:2] == ("spacecraft", name))
+    return any(map(_varies_size, rows))
+
+
 def _refuse_driven_sizes(sim: Simulation) -> None:
     """Refuses sizes that vary from frame to frame, because a BOP model has one size."""
     for driver in sim.document.drivers:

@@ -5,8 +5,10 @@ from __future__ import annotations
 import json
 from typing import Any
 
+import numpy as np
+
 from perilune.export.writers.bop_channels import label_names
-from perilune.export.writers.bop_source import provenance
+from perilune.export.writers.bop_source import driven_size, provenance
 from perilune.export.writers.files import json_text
 from perilune.export.writers.formats.base import Format, Info
 from perilune.export.writers.formats.channels import Channel, asked_channels, described
@@ -27,6 +29,14 @@ def rendered(fmt: Format, sim: Simulation) -> list[str]:
     return list(dict.fromkeys([*own, *(name for name in needs if name in known)]))
 
 
+def _box_m(sim: Simulation, name: str) -> list[list[float]]:
+    """Corners of a box that holds a spacecraft at rest, in its frame, m."""
+    row = sim.models[name]
+    bounds = np.asarray(row.model.bounds, dtype=np.float64)
+    box: list[list[float]] = (row.metres_per_unit * (bounds - row.offset)).tolist()
+    return box
+
+
 def _taxonomy(sim: Simulation) -> dict[str, Any]:
     taxonomy, config = sim.taxonomy, sim.config
     classes, levels = taxonomy.classes, ("kind", "object")
@@ -39,6 +49,8 @@ def _taxonomy(sim: Simulation) -> dict[str, Any]:
         row["class_id"] = classes["object"][row["class"]]
         if name in sim.models:
             row["obj_id"] = sim.models[name].obj_id
+            if not driven_size(sim, name):
+                row["box_m"] = _box_m(sim, name)
         instances.append(row)
     parts = [
         {
