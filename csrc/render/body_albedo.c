@@ -56,6 +56,18 @@ static void add_rays(const pl_shot_body *body, const pl_vertex *vertex, float ma
     map[k] *= factor;
 }
 
+/* Rocks are clean: none lies in a track. */
+static void add_tracks(const pl_shot_body *body, const pl_beam *beam, const pl_vertex *vertex,
+                       float map[4]) {
+  const pl_vec3 local =
+      pl_mat3_mul_vec_t(body->rotation, pl_vec3_sub(vertex->position, body->center));
+  const float factor =
+      (float)pl_wheel_tracks_albedo(pl_terrain_tracks(body->body->terrain), pl_vec3_unit(local),
+                                    (double)pl_beam_width(beam, vertex->t));
+  for (int k = 0; k < 3; k++)
+    map[k] *= factor;
+}
+
 void pl_body_albedo_finish(const pl_shot_body *body, const pl_beam *beam, pl_detail detail,
                            const pl_vertex *vertex, float map[4]) {
   const pl_terrain *terrain = body->body->terrain;
@@ -63,9 +75,12 @@ void pl_body_albedo_finish(const pl_shot_body *body, const pl_beam *beam, pl_det
     lay(stack_at(pl_terrain_albedo(terrain), body, beam, detail.maps, vertex), map);
   if (body->state->contrast != 0.0f && detail.maps)
     stretch(body, map);
-  if (detail.rays && body->field != NULL &&
-      pl_surface_kind_of(vertex->surface_id) == PL_SURFACE_HEIGHT_FIELD)
+  if (body->field == NULL || pl_surface_kind_of(vertex->surface_id) != PL_SURFACE_HEIGHT_FIELD)
+    return;
+  if (detail.rays)
     add_rays(body, vertex, map);
+  if (detail.maps && pl_terrain_tracks(terrain) != NULL)
+    add_tracks(body, beam, vertex, map);
 }
 
 pl_raster_mix pl_body_roughness(const pl_shot_body *body, const pl_beam *beam, bool maps,

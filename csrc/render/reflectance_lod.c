@@ -253,7 +253,8 @@ pl_status pl_reflectance_lod_fit(const pl_snapshot *shot, pl_detail detail, pl_a
     samples->surface_id = pl_surface_of_body(i);
     samples->mapped =
         body->body->map != NULL || body->body->regolith_map != NULL ||
-        (body->body->terrain != NULL && pl_terrain_albedo(body->body->terrain)->count > 0);
+        (body->body->terrain != NULL && (pl_terrain_albedo(body->body->terrain)->count > 0 ||
+                                         pl_terrain_tracks(body->body->terrain) != NULL));
     set_window(body, samples);
     take_samples(samples);
     if (!is_covered(samples))

@@ -111,6 +111,8 @@ static float map_max(const pl_body *body, const pl_body_state *state, int band) 
   float most = mapped ? body->brightest[band].w : 1.0f;
   if (body->terrain != NULL)
     most = fmaxf(most, (float)pl_terrain_albedo(body->terrain)->high);
+  if (body->terrain != NULL && pl_terrain_tracks(body->terrain) != NULL)
+    most *= (float)pl_wheel_tracks_brightest(pl_terrain_tracks(body->terrain));
   most *= 1.0f + fmaxf(state->contrast, 0.0f);
   return body->terrain != NULL ? most * (float)(1.0 + pl_terrain_ray_brightness(body->terrain))
                                : most;
@@ -118,7 +120,8 @@ static float map_max(const pl_body *body, const pl_body_state *state, int band) 
 
 static bool has_rasters(const pl_body *body) {
   return body->terrain != NULL && (pl_terrain_albedo(body->terrain)->count > 0 ||
-                                   pl_terrain_roughness(body->terrain)->count > 0);
+                                   pl_terrain_roughness(body->terrain)->count > 0 ||
+                                   pl_terrain_tracks(body->terrain) != NULL);
 }
 
 /* Upper bound of the albedo: the reflectance of the body's brightest soil in its brightest

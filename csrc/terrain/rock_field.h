@@ -5,7 +5,7 @@
  * scale of 1/16 to 1/32 of its diameter. Its short axis is within 20 degrees of the
  * normal of the ground. It is sunk by its burial, and further until the ground passes through it
  * all around its middle: no air is under it, its base does not show. Where it cannot be sunk so
- * without being hidden, and on slopes where rocks roll, there is none. */
+ * without being hidden, on slopes where rocks roll, and in tracks, there is none. */
 #ifndef PL_TERRAIN_ROCK_FIELD_H
 #define PL_TERRAIN_ROCK_FIELD_H
 

@@ -193,6 +193,9 @@ bool pl_rock_set(const pl_rock_field *field, const pl_terrain *terrain, const pl
                  pl_rock *rock, pl_rock_shape *shape) {
   uint64_t seat[4];
   footing ground;
+  const pl_wheel_tracks *tracks = pl_terrain_tracks(terrain);
+  if (tracks != NULL && pl_wheel_tracks_touch(tracks, site->direction, 0.5 * site->diameter_m))
+    return false;
   pl_scatter_words(&field->scatter, site->id, FOR_SEAT, seat);
   find_plane(terrain, site, &ground);
   if (!stays(field, ground.slope_rad, pl_philox_double(seat[0])))

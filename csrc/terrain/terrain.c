@@ -139,23 +139,29 @@ pl_status pl_terrain_create(const pl_terrain_frame *frame, pl_terrain **out) {
       layer->coarsest = t->detail.first;
   }
   pl_slope_table_init(t, frame->roughness_baseline_m);
-  const pl_status status = copy_known(frame, t);
+  pl_status status = copy_known(frame, t);
+  if (status == PL_OK && frame->track_count > 0)
+    status = pl_wheel_tracks_create(frame->tracks, frame->track_count, &t->tracks);
   if (status == PL_OK)
     *out = t;
   else
-    pl_free(t);
+    pl_terrain_destroy(t);
   return status;
 }
 
 void pl_terrain_destroy(pl_terrain *terrain) {
-  if (terrain != NULL)
-    pl_free(terrain->known);
+  if (terrain == NULL)
+    return;
+  pl_free(terrain->known);
+  pl_wheel_tracks_destroy(terrain->tracks);
   pl_free(terrain);
 }
 
 uint64_t pl_terrain_number(const pl_terrain *terrain) { return terrain->number; }
 
 const pl_rock_field *pl_terrain_rocks(const pl_terrain *terrain) { return terrain->rocks; }
+
+const pl_wheel_tracks *pl_terrain_tracks(const pl_terrain *terrain) { return terrain->tracks; }
 
 const pl_raster_stack *pl_terrain_albedo(const pl_terrain *terrain) { return &terrain->albedo; }
 
@@ -258,6 +264,12 @@ void pl_terrain_bounds(const pl_terrain *terrain, double *low_m, double *high_m)
     pl_crater_bounds(terrain->craters, largest_crater_m(terrain), &below_m, &above_m);
     *low_m += fmin(below_m, 0.0);
     *high_m += fmax(above_m, 0.0);
+  }
+  if (terrain->tracks != NULL) {
+    double below_m, above_m;
+    pl_wheel_tracks_bounds(terrain->tracks, &below_m, &above_m);
+    *low_m += below_m;
+    *high_m += above_m;
   }
 }
 

@@ -5,7 +5,7 @@
  * of a level of the cube's lattice (`terrain/cube.h`), which says how much is drawn: the same bits
  * alone, in any block, on any thread.
  *
- *     h(d) = layers blended of U(Z)(d) + q(d) - U(q)(d), + craters(d)
+ *     h(d) = layers blended of U(Z)(d) + q(d) - U(q)(d), + craters(d) + tracks(d)
  *
  * U interpolates a raster's posts Z, or means of them where cells of the lattice are wider. q is
  * the detail (`terrain/fractal_detail.h`) of wavelengths below a few posts; without U(q), its own
@@ -26,6 +26,7 @@
 #include "terrain/detail_law.h"
 #include "terrain/raster.h"
 #include "terrain/raster_stack.h"
+#include "terrain/wheel_tracks.h"
 
 #define PL_TERRAIN_LAYERS 16
 /* Greatest values of rasters of albedo and of roughness (rad; a little above 60 degrees). */
@@ -68,6 +69,8 @@ typedef struct pl_terrain_frame {
   pl_terrain_patch patch;
   const pl_known_crater *known; /* copied */
   size_t known_count;
+  const pl_wheel_track *tracks; /* copied */
+  size_t track_count;
 } pl_terrain_frame;
 
 typedef struct pl_terrain pl_terrain;
@@ -84,6 +87,8 @@ uint64_t pl_terrain_number(const pl_terrain *terrain);
 double pl_terrain_radius_m(const pl_terrain *terrain);
 /* The rocks on the ground; NULL for none. They are no part of its heights. */
 const struct pl_rock_field *pl_terrain_rocks(const pl_terrain *terrain);
+/* Tracks of wheels, which its heights have; NULL without any. */
+const pl_wheel_tracks *pl_terrain_tracks(const pl_terrain *terrain);
 /* Rasters of the surface; empty without any. */
 const pl_raster_stack *pl_terrain_albedo(const pl_terrain *terrain);
 const pl_raster_stack *pl_terrain_roughness(const pl_terrain *terrain);

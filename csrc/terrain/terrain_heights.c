@@ -220,11 +220,13 @@ double pl_terrain_ray_brightness(const pl_terrain *terrain) {
 
 static pl_status full_heights(work *w, const pl_vec3 *directions, size_t count, double *heights_m) {
   const pl_terrain *terrain = w->terrain;
+  const double cell_m = pl_cube_cell_m(w->level, terrain->radius_m);
   base_heights(w, directions, count, heights_m);
+  if (terrain->tracks != NULL)
+    pl_wheel_tracks_add_heights(terrain->tracks, directions, count, cell_m, heights_m);
   if (terrain->craters == NULL)
     return PL_OK;
   const pl_crater_model model = pl_terrain_crater_model(terrain);
-  const double cell_m = pl_cube_cell_m(w->level, terrain->radius_m);
   return pl_crater_add_heights(terrain->craters, &model, directions, count, cell_m, heights_m);
 }
 

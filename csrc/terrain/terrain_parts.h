@@ -45,7 +45,8 @@ struct pl_terrain {
   pl_slope_table slopes;
   pl_numbered_crater *known; /* owned; by ascending z of the directions */
   size_t known_count;
-  double known_most_m; /* greatest diameter */
+  double known_most_m;     /* greatest diameter */
+  pl_wheel_tracks *tracks; /* owned; NULL for none */
 };
 
 /* What the rasters show of craters. */

@@ -23,6 +23,25 @@ SCENES = (
     ("the same, Sun 40 deg", "lunar_rover", {ROVER_SUN: 40.0}),
 )
 
+TRACK = {
+    "lon_deg": 10.0,
+    "lat_deg": 20.0,
+    "waypoints_m": [[-12, -9], [-8, -6], [-3, -6], [2, -8], [7, -5], [6, 1], [-2, -2], [-6, -12]],
+    "grousers": {"spacing_m": 0.08, "depth_m": 0.006, "angle_deg": 25.0},
+}
+
+
+def tracks() -> tuple[str, NDArray[np.uint8]]:
+    """A rover's own tracks, from its mast."""
+    changes = {
+        "bodies.moon.terrain.tracks": [TRACK],
+        "camera.trajectory.yaw_deg": -25.0,
+        "camera.trajectory.pitch_deg": -25.0,
+        ROVER_SUN: 15.0,
+    }
+    sim = perilune.open(CONFIGS / "lunar_rover.yaml", overrides=SIZE | changes)
+    return "tracks of a rover, Sun 15 deg", sim.frame(0, ["rgb"])["rgb"]
+
 
 def views() -> list[tuple[str, NDArray[np.uint8]]]:
     """Titles and images."""

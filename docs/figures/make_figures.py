@@ -180,6 +180,10 @@ def terrain() -> None:
     pictures("terrain.png", [views[:2], views[2:]], 9.6)
 
 
+def tracks() -> None:
+    pictures("tracks.png", [[ground_figures.tracks()]], 4.8)
+
+
 def ground() -> None:
     """Slopes and rocks of scenes beside published ones."""
     save(ground_statistics.figure(), "ground.png")
@@ -329,6 +333,7 @@ FIGURES = {
     "shapes": shapes,
     "shutter": shutter,
     "terrain": terrain,
+    "tracks": tracks,
 }
 
 

@@ -53,7 +53,7 @@ class CraterField:
         "table": (n, 2) diameters, m, and densities of craters of these or more, 1/m^2), seed (0 to
         2^64 - 1), min_diameter_m, max_diameter_m, diffusivity_m2_per_myr (of craters of 1 km),
         diffusivity_exponent, ellipticity (greatest 1 - minor/major axis), irregularity (1: as real
-        rims), model_posts (posts of an elevation model over a crater that it shows), ray_brightness
+        rims), terraces (likewise, 0 to 1), model_posts (posts of an elevation model over a crater that it shows), ray_brightness
         (of fresh ejecta over old ground, less 1; 0: no rays), ray_fade_ga, ray_reach (radii). The
         defaults are the Moon's, without rays."""
     def heights(self, directions: F64, footprint_m: float = 0.0) -> F64:
@@ -95,6 +95,7 @@ class Terrain:
         roughness_baseline_m: float = 0.0, known_craters: F64 | None = None,
         mask: Sequence[tuple[Raster, float]] | None = None,
         patch: tuple[tuple[float, float, float], float] | None = None,
+        tracks: Sequence[tuple[F64, float, float, float, float, float, float, float]] | None = None,
     ) -> Self:
         """radii_m: (3,) of the ellipsoid. layers: (raster, interpolation, border_posts, datum_m), each
         over those before it: interpolation "bilinear" | "cubic"; the border is the width of blending
@@ -108,7 +109,9 @@ class Terrain:
         (raster, border_posts) of the surface, each over those before it. roughness_baseline_m: the
         roughness of laws of reflectance is that of slopes below it; 0: finer than all detail. known_craters: (n, 4)
         unit directions and diameters (m) of craters that are labelled, but not drawn. mask: whole numbers,
-        as albedo. patch: unit direction and side (m) of a square; meshes are fine only in it."""
+        as albedo. patch: unit direction and side (m) of a square; meshes are fine only in it.
+        tracks: of wheels: points (n, 3) of the ellipsoid (m), gauge, width, depth, spacing and depth of
+        the imprints of grousers (m), angle of their bars (rad), factor on the albedo."""
     def heights(self, directions: F64, cell_m: float = 0.0) -> F64:
         """(n,) heights, m, in directions (n, 3) in body axes, as a lattice with cells of at most
         cell_m resolves them; 0: of the finest level."""

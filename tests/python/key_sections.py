@@ -28,6 +28,15 @@ SATELLITE = Path(__file__).parents[2] / "assets" / "models" / "smallsat.glb"
 Tree = dict[str, Any]
 
 
+TRACK: Tree = {
+    "lat_deg": 0.0,
+    "waypoints_m": [[-5e6, 1e5], [5e6, 0.0]],
+    "gauge_m": 8e5,
+    "wheel_width_m": 4e5,
+    "depth_m": 1e5,
+}
+
+
 class Section(NamedTuple):
     """A section with nothing but what it requires, and a value for each of its other keys."""
 
@@ -233,6 +242,7 @@ THINGS = [
                 "min_diameter_m": 2e4,
                 "max_diameter_m": 2e5,
             },
+            "tracks": [{**TRACK, "lon_deg": lon} for lon in (0.0, 90.0, 180.0, 270.0)],
             "cells_per_pixel": 0.25,
             "finest_cell_m": 4e4,
         },

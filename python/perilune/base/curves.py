@@ -33,6 +33,8 @@ class Curve:
         way = np.array([self._place(knot) for knot in self._at])
         lengths = np.linalg.norm(np.diff(way, axis=0), axis=1)
         self._along = np.concatenate([[0.0], np.cumsum(lengths)])
+        self.points = way
+        """(n, 2): points of the curve, 32 a span."""
 
     @property
     def length(self) -> float:

@@ -10,12 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perilune import _core
+from perilune.base.curves import curve
 from perilune.bodies.craters import crater_field
 from perilune.bodies.elevation import ElevationRaster
 from perilune.bodies.polar import with_patches
 from perilune.bodies.rocks import rock_field
 from perilune.bodies.roughness import BEND, of_elevation
 from perilune.config.terrain import Detail, Patch, Terrain
+from perilune.config.tracks import Track
 from perilune.orbits.ground import Ground
 
 F64 = NDArray[np.float64]
@@ -80,10 +82,11 @@ def core_terrain(
     roughness: Sequence[ElevationRaster] = (),
     catalogue: NDArray[np.void] | None = None,
     mask: Sequence[ElevationRaster] = (),
+    geodetic: bool = False,
 ) -> _core.Terrain:
     """The core's ground of a section. rasters, albedo, roughness, mask: what its keys were read
     to; those that reach a pole get a patch over it, but not masks.
-    catalogue: of CATALOGUED. Raises ValueError."""
+    catalogue: of CATALOGUED. geodetic: the latitudes of sites. Raises ValueError."""
     whole = [patch for row in rasters for patch in with_patches(row, float(radii_m[0]))]
     layers = [(row.raster, row.interpolation, row.border_posts, row.datum_m) for row in whole]
     detail = None if given.detail is None else _detail(given.detail)
@@ -112,6 +115,30 @@ def core_terrain(
         known,
         masks,
         patch,
+        [_track(track, radii_m, geodetic) for track in given.tracks],
+    )
+
+
+def _track(given: Track, radii_m: F64, geodetic: bool) -> tuple[Any, ...]:
+    """A track of the core, on the ellipsoid."""
+    ground = Ground(radii_m, geodetic)
+    site, normal, north = ground.site(given)
+    plane = curve(given.waypoints_m).points
+    places = site + plane[:, :1] * np.cross(north, normal) + plane[:, 1:] * north
+    directions = places / np.linalg.norm(places, axis=1, keepdims=True)
+    grousers = given.grousers
+    bars = (
+        (0.0, 0.0, 0.0)
+        if grousers is None
+        else (grousers.spacing_m, grousers.depth_m, math.radians(grousers.angle_deg))
+    )
+    return (
+        directions * ground.datum_m(directions)[:, None],
+        given.gauge_m,
+        given.wheel_width_m,
+        given.depth_m,
+        *bars,
+        given.albedo,
     )
 
 

@@ -28,7 +28,7 @@ AltitudeAbove = Literal["terrain", "datum"]
 `radii_km`."""
 
 
-class Site(Strict):
+class Place(Strict):
     """A place on a body."""
 
     lon_deg: Finite
@@ -38,6 +38,11 @@ class Site(Strict):
     latitudes: Latitudes | None = None
     """geodetic: latitude of the surface normal; geocentric: of the line from the body's centre.
     Default: the same as the body's maps."""
+
+
+class Site(Place):
+    """A place on a body, and what heights count from there."""
+
     altitude_above: AltitudeAbove | None = None
     """What heights count from. terrain (default): the ground itself, that of a `shape` too. datum:
     the ellipsoid `radii_km`."""

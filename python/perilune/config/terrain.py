@@ -11,6 +11,7 @@ from perilune.config.craters import Craters
 from perilune.config.elevation import Elevation, Latitude, Longitude, SurfaceRaster
 from perilune.config.errors import fail
 from perilune.config.rocks import Rocks
+from perilune.config.tracks import Track
 from perilune.config.types import NonNegative, Positive, Strict, refuse_drawn
 
 _Seed = Annotated[int, Field(strict=True, ge=0, lt=2**64)]
@@ -125,6 +126,8 @@ class Terrain(Strict):
     drawn: elevation models show them. `craters` are smaller than the smallest of them."""
     rocks: Rocks | None = None
     """Rocks on the ground; none by default."""
+    tracks: Annotated[tuple[Track, ...], Field(max_length=64)] = ()
+    """Tracks of wheels on the ground. They are no part of labels. Rocks do not lie in them."""
     cells_per_pixel: _Cells = 1.0
     """Accuracy: cells of the mesh along a pixel. Half as many build four times faster."""
     finest_cell_m: _Cell = 0.01

@@ -105,7 +105,8 @@ class Terrains:
         assert body.terrain is not None  # it has one
         given, radii = body.terrain, orbits.radii_m(body)
         surface = given.albedo, given.roughness, given.mask, given.patch, given.roughness_baseline_m
-        parts = (given.elevation, given.detail, given.craters, given.rocks, *surface)
+        relief = given.elevation, given.detail, given.craters, given.rocks, given.tracks
+        parts = (*relief, *surface)
         key = (name, *parts, tuple(radii), body.is_geodetic)
         if key not in self._terrains:
             where = f"bodies.{name}.terrain"
@@ -126,7 +127,7 @@ class Terrains:
             _make_room(self._terrains)
             try:
                 core = terrains.core_terrain(
-                    given, radii, rasters, albedo, roughness, catalogue, mask
+                    given, radii, rasters, albedo, roughness, catalogue, mask, body.is_geodetic
                 )
             except ValueError as error:
                 raise ConfigError(f"{document.source}:\n  {where}: {error}") from error

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perilune.base.curves import curve
-from perilune.config.standing import Site, Way
+from perilune.config.standing import Place, Way
 
 F64 = NDArray[np.float64]
 Surface = Callable[[F64], F64]
@@ -158,7 +158,7 @@ class Ground:
                 break
         return height
 
-    def site(self, spec: Site) -> tuple[F64, F64, F64]:
+    def site(self, spec: Place) -> tuple[F64, F64, F64]:
         """Point of the ellipsoid at a site, the vertical there, and the unit vector to the
         north."""
         geodetic = self.geodetic if spec.latitudes is None else spec.latitudes == "geodetic"
