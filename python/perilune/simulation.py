@@ -54,6 +54,7 @@ from perilune.world import World
 from perilune.world import build as build_world
 
 if TYPE_CHECKING:
+    from perilune.cost import Report as CostReport
     from perilune.show.graphs import GraphPicture
 
 F64 = NDArray[np.float64]
@@ -116,6 +117,7 @@ class Simulation(RangeSensors):
         self._unseen = Unseen()
         self._store = store or _Store()
         self._handles: Handles | None = None
+        self._noise = 0
         self._pid = 0
         try:
             self.system(0).states(np.zeros(1))
@@ -140,6 +142,13 @@ class Simulation(RangeSensors):
         changes in `meta["overrides"]`; `perilune.open(config, replay=meta)` applies them again.
         Raises ConfigError as perilune.open does."""
         return self._with({**(overrides or {}), **dotted})
+
+    def with_noise(self, noise: int) -> Simulation:
+        """The same simulation with other random numbers of samples and sensors; drivers and grounds
+        stay as they are. 0: the frames' own. For estimates of noise, as of perilune.cost."""
+        made = self._with({})
+        made._noise = noise
+        return made
 
     def _with(self, changes: Mapping[str, Any], known: bool = False) -> Simulation:
         """known: these changes were checked before."""
@@ -304,6 +313,7 @@ class Simulation(RangeSensors):
         """posed: poses of the moving parts in the middle of the exposure, if already known."""
         handles = self._mine()
         request = self._placed(scene, posed)
+        request["seed"] ^= self._noise
         request["sky"] = handles.skies.request(scene)
         if scene.config.volumes:
             request["volumes"] = handles.volumes.request(scene.config)
@@ -356,6 +366,29 @@ class Simulation(RangeSensors):
             if metered is not None:
                 passes.expose(request, handles.renderer_of(metered[0]).plan(metered[1]))
             return Plan(handles.renderer_of(scene.config).plan(request)["plan"])
+
+    def cost(
+        self,
+        index: int = 0,
+        targets: Iterable[float] = (4.0, 2.0, 1.0),
+        *,
+        quick: bool = False,
+        reference_samples: int | None = None,
+        threads: int | None = None,
+        folder: str | os.PathLike[str] | None = None,
+        progress: Callable[[int, int], object] | None = None,
+    ) -> CostReport:
+        """Measures what accuracy costs in a frame: every knob of the scene from cheap to exact, and
+        for each of `targets`, an RMS error in digital numbers, the cheapest setting that keeps it.
+
+        quick: fewer settings and samples. reference_samples: of each of the reference's two
+        pictures (default: 16 times render.samples, at least 512, quick 128). folder: keeps what is
+        measured, so that a study that was stopped goes on. progress: called with settings done and
+        in all. docs/cost.md explains the report."""
+        from perilune.cost import study
+
+        options = study.Options(quick, reference_samples, threads, folder, progress)
+        return study.run(self, arguments.frame_index(index), targets, options)
 
     def __getitem__(self, index: int) -> Sample:
         return self.frame(index)

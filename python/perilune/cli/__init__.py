@@ -13,6 +13,7 @@ from typing import Any
 import perilune
 from perilune.cli.check import CHECK
 from perilune.cli.command import FAILED, INTERNAL, INTERRUPTED, Command
+from perilune.cli.cost import COST
 from perilune.cli.graph import GRAPH
 from perilune.cli.info import INFO
 from perilune.cli.merge import MERGE
@@ -32,6 +33,7 @@ COMMANDS: tuple[Command, ...] = (
     STATS,
     PREVIEW,
     PLAN,
+    COST,
     PARTS,
     GRAPH,
     ORBIT,

@@ -11,7 +11,8 @@ from tqdm import tqdm
 class Bar:
     """A progress bar whose rate counts only images of this run; silent without a terminal."""
 
-    def __init__(self) -> None:
+    def __init__(self, unit: str = "img") -> None:
+        self._unit = unit
         self.done = 0
         self.total = 0
         self._bar: tqdm[Any] | None = None
@@ -22,8 +23,9 @@ class Bar:
         if bar is None:
             # Images of an earlier run are the bar's start, so that they do not count in its rate.
             self._bar = bar = tqdm(
-                total=total, initial=done, unit="img", disable=None, dynamic_ncols=True
+                total=total, initial=done, unit=self._unit, disable=None, dynamic_ncols=True
             )
+        bar.total = total  # may have become more
         bar.update(done - bar.n)
 
     def __enter__(self) -> Bar:
