@@ -20,7 +20,11 @@ import perilune
 from perilune.cli import COMMANDS
 from perilune.document.loader import parse_yaml
 
-NOT_RUN = {"bands": ["spectra of yours"], "time_and_ephemerides": ["kernels of yours"]}
+NOT_RUN = {
+    "bands": ["spectra of yours"],
+    "cost": ["half a minute"],
+    "time_and_ephemerides": ["kernels of yours"],
+}
 """Page -> the reasons of its blocks that cannot run; a block says so in a comment before it."""
 
 DRIVER_KEYS = {"ideal", "uniform", "median", "choice", "hook"}
