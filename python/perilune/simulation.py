@@ -22,6 +22,7 @@ from perilune.camera import bands, trajectories
 from perilune.camera.optics import picture_lens, shutter_times
 from perilune.config import Config, ConfigError
 from perilune.config.errors import named
+from perilune.cost.costed import Costed
 from perilune.document import Document, load
 from perilune.document.references import (
     KEYPOINTS,
@@ -54,7 +55,6 @@ from perilune.world import World
 from perilune.world import build as build_world
 
 if TYPE_CHECKING:
-    from perilune.cost import Report as CostReport
     from perilune.show.graphs import GraphPicture
 
 F64 = NDArray[np.float64]
@@ -86,7 +86,7 @@ class _Store:
         return self._assets
 
 
-class Simulation(RangeSensors):
+class Simulation(RangeSensors, Costed):
     """Random access to frames: `sim[i]` is the same whatever was rendered before, in any process.
 
     perilune.open makes one. It pickles as its configuration; every process, forked ones too,
@@ -366,29 +366,6 @@ class Simulation(RangeSensors):
             if metered is not None:
                 passes.expose(request, handles.renderer_of(metered[0]).plan(metered[1]))
             return Plan(handles.renderer_of(scene.config).plan(request)["plan"])
-
-    def cost(
-        self,
-        index: int = 0,
-        targets: Iterable[float] = (4.0, 2.0, 1.0),
-        *,
-        quick: bool = False,
-        reference_samples: int | None = None,
-        threads: int | None = None,
-        folder: str | os.PathLike[str] | None = None,
-        progress: Callable[[int, int], object] | None = None,
-    ) -> CostReport:
-        """Measures what accuracy costs in a frame: every knob of the scene from cheap to exact, and
-        for each of `targets`, an RMS error in digital numbers, the cheapest setting that keeps it.
-
-        quick: fewer settings and samples. reference_samples: of each of the reference's two
-        pictures (default: 16 times render.samples, at least 512, quick 128). folder: keeps what is
-        measured, so that a study that was stopped goes on. progress: called with settings done and
-        in all. docs/cost.md explains the report."""
-        from perilune.cost import study
-
-        options = study.Options(quick, reference_samples, threads, folder, progress)
-        return study.run(self, arguments.frame_index(index), targets, options)
 
     def __getitem__(self, index: int) -> Sample:
         return self.frame(index)

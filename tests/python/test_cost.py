@@ -14,8 +14,9 @@ import pytest
 import yaml
 
 import perilune
-from perilune.cost import Point, Report, combine, knobs, pictures, study
+from perilune.cost import combine, knobs, pictures, study
 from perilune.cost.knobs import Knob, Rung
+from perilune.cost.report import Point, Report
 
 SMALL = {"camera.width": 24, "camera.height": 18, "time.step_s": 60.0}
 TARGET_DN = 8.0

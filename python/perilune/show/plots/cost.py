@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from perilune.show.plots.figures import PALETTE, new_figure
 
 if TYPE_CHECKING:
-    from perilune.cost import Point, Report
+    from perilune.cost.report import Point, Report
 
 _LEAST_DN = 0.01
 """Errors below it are drawn at it: axes are logarithmic."""
