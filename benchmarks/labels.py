@@ -42,7 +42,10 @@ def scene(count: int) -> perilune.Simulation:
         orbit["mean_anomaly_deg"] = 2e-5 * (j - side / 2)
         orbit["inclination_deg"] = 51.6 + 2e-5 * (k - side / 2)
         crafts[f"{name}_{number:03d}"] = {**craft, "orbit": orbit}
+    far = {}
     if count > 1:
+        # Far enough that all are in view; they hide each other in part.
+        far = {"camera.trajectory.distance_m": [60.0, 70.0]}
         first = dict(craft["orbit"])
         first |= {"altitude_km": 500.0, "mean_anomaly_deg": 0.0, "inclination_deg": 51.6}
         crafts[name] = {**craft, "orbit": first}
@@ -51,6 +54,7 @@ def scene(count: int) -> perilune.Simulation:
         "camera.height": 480,
         "render.samples": 16,
         "render.channels": ["rgb", *LABELS],
+        **far,
     }
     return perilune.open({**tree, "spacecraft": crafts}, overrides=changes, base=sim.document.base)
 

@@ -345,6 +345,9 @@ class Render(Strict):
     """Effects that are left out whatever their bound."""
     channels: tuple[str, ...] = ("rgb", "depth", "semantic", "part", "instance", "objects")
     """Channels that a sample holds unless it is asked for others."""
+    scans: tuple[Literal["points", "lidar", "time_of_flight", "events"], ...] = ()
+    """Measurements that datasets hold beside channels: `points` of the pixels, returns of all
+    `lidars`, pixels of `time_of_flight`, and `events` until the next frame. docs/lidar.md."""
     amodal: Annotated[bool, Field(strict=True)] = True
     """Whether object labels cover whole silhouettes, including hidden and cut-off parts. Costs
     extra rays."""

@@ -30,6 +30,7 @@ def sim(small_scene):
         "render.samples": 1,
         "time.frames_per_scene": 2,
         "render.channels": CHANNELS,
+        "render.scans": ["points"],
     }
     return perilune.open(small_scene, overrides=changes)
 

@@ -17,6 +17,7 @@ import pytest
 
 import perilune
 from perilune.export.writers import WRITERS, FolderInUseError, merge, write
+from perilune.export.writers.formats.channels import TABLE, Channel
 from perilune.export.writers.formats.tables import FORMATS
 
 from .stops import Canned, run_until, tree_bytes
@@ -59,11 +60,14 @@ def source(small_scene):
 @pytest.fixture(scope="module")
 def canned(source):
     """Format -> a simulation that asks for what it can hold; frames are rendered once for all."""
-    every = [*CHANNELS, "keypoints"]
+    every = [*CHANNELS, "keypoints", "range", "position"]
     samples = Canned(source, range(4), every)
 
     def of(name):
-        sim = source.with_overrides({"render.channels": held(FORMATS[name])(source)})
+        fmt = FORMATS[name]
+        scans = ["points"] if fmt.holds(Channel("points", TABLE, "table")) else []
+        changes = {"render.channels": held(fmt)(source), "render.scans": scans}
+        sim = source.with_overrides(changes)
         made = Canned(sim, (), ())
         made._samples = samples._samples
         return made
@@ -244,7 +248,7 @@ def test_another_configuration_is_refused(canned, tmp_path, name):
 
 def test_several_formats_are_what_each_is_alone(canned, tmp_path):
     names = ["npz", "exr", "exr-half"]
-    sim = canned("npz")
+    sim = canned("exr")  # without scans
     write(["bop", *names], sim, FRAMES, tmp_path / "all", chunk_size=CHUNK, threads=1)
     assert sim.rendered == list(FRAMES)
     for name in ("bop", *names):

@@ -34,7 +34,7 @@ def _array_fault(path: Path, channel: Channel, size: tuple[int, int]) -> str | N
     except ValueError as error:
         return f"is no NPY file: {error}"
     if channel.dtype == "table":
-        good = array.ndim == 1 and array.dtype.names is not None
+        good = array.ndim in (1, 2) and array.dtype.names is not None
         return None if good else "is no table: must be one array with named fields"
     if array.dtype != np.dtype(channel.dtype):
         return f"holds {array.dtype}, must be {channel.dtype}"

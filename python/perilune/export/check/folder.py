@@ -21,7 +21,8 @@ from perilune.export.writers.formats.folder import SUMS, frame_of, record_for, r
 from perilune.export.writers.formats.info import folder_info
 from perilune.export.writers.formats.packs import CHUNKS, file_sums
 from perilune.export.writers.lock import LOCK_FILE, writing_process
-from perilune.export.writers.run import NEXT
+from perilune.export.writers.run import NEXT, tables_of
+from perilune.export.writers.scans import is_scan
 from perilune.export.writers.shards import NOTES
 from perilune.simulation import Simulation
 
@@ -199,8 +200,8 @@ class FolderCheck:
 
     def _compare(self, sim: Simulation, index: int) -> None:
         sample = sim.frame(index, channels=rendered_for(sim, self._info))
-        with_tables = any(name in self._info["channels"] for name in TABLES)
-        tables: dict[str, Any] = dict(sim.ground_tables(sample)) if with_tables else {}
+        own = [name for name in self._info["channels"] if name in TABLES or is_scan(name)]
+        tables = tables_of(sim, sample, own)
         if self._fmt.needs_next:
             follows = sim.timeline.beside(index, 1)
             shown = self._info["picture"]

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from perilune.document.references import KEYPOINTS
 from perilune.export.check.geometry import Beside, counted, geometry_faults
 from perilune.export.check.keypoints import keypoint_faults
+from perilune.export.check.scans import scan_faults
 from perilune.export.writers.formats.base import Info, Record
 from perilune.export.writers.formats.channels import IMAGE, STACK, TABLE, Channel
 from perilune.export.writers.formats.info import channels_of
@@ -181,5 +182,6 @@ def faults(
     yield from _parts(shaped, info)
     yield from _geometry(shaped)
     yield from geometry_faults(info, record, shaped, beside)
+    yield from scan_faults(info, record, arrays)
     if KEYPOINTS in arrays:
         yield from keypoint_faults(_texts(arrays[KEYPOINTS]), record["camera"], record["meta"])

@@ -13,7 +13,13 @@ from numpy.typing import NDArray
 
 from perilune import _core
 from perilune.document.references import KEYPOINTS
-from perilune.export.writers.bop_channels import TABLES, ChannelFiles, channel_files, pictures
+from perilune.export.writers.bop_channels import (
+    TABLES,
+    ChannelFiles,
+    channel_files,
+    pictures,
+    scan_files,
+)
 from perilune.export.writers.bop_files import (
     MM_PER_M,
     Record,
@@ -43,8 +49,9 @@ from perilune.export.writers.files import (
     write_text,
 )
 from perilune.export.writers.formats.record import plain, record_of
-from perilune.export.writers.run import Begun, write_datasets
+from perilune.export.writers.run import Begun, tables_of, write_datasets
 from perilune.export.writers.same_source import check_same_source
+from perilune.export.writers.scans import channels_of_scan, is_scan
 from perilune.export.writers.shards import Shard
 from perilune.export.writers.table import Progress, WriteReport
 from perilune.sample import Sample
@@ -236,15 +243,16 @@ class Job:
     @property
     def channels(self) -> list[str]:
         """Channels rendered for a frame."""
-        plain = [name for name in self.beside if name not in TABLES]
-        of_tables = [name for table in self.tables for name in TABLES[table]]
+        plain = [name for name in self.beside if name not in TABLES and not is_scan(name)]
+        of_tables = [name for table in self.tables for name in TABLES.get(table, ())]
+        of_tables += [name for scan in self.tables for name in channels_of_scan(self.sim, scan)]
         points = [KEYPOINTS] if self.keypoints else []
         return list(dict.fromkeys((*self.pictures.values(), *LABELS, *plain, *of_tables, *points)))
 
     @property
     def tables(self) -> list[str]:
         """The tables that are written with a frame."""
-        return [table for table in TABLES if table in self.beside]
+        return [name for name in self.beside if name in TABLES or is_scan(name)]
 
     def write_image(
         self,
@@ -257,8 +265,7 @@ class Job:
         the frame, if known."""
         names = list(self.sim.config.spacecraft)
         if tables is None:
-            found = self.sim.ground_tables(sample) if self.tables else {}
-            tables = {table: found[table] for table in self.tables}
+            tables = tables_of(self.sim, sample, self.tables)
         return write_image(
             folder,
             im_id,
@@ -360,7 +367,7 @@ def open_job(
     origins_m = {obj_id: model.center_m for obj_id, model in models.items()}
     size = nominal_camera(sim)
     header = CocoHeader(dataset_name(sim), split, tuple(models), size.width, size.height)
-    shown, beside = pictures(sim), channel_files(sim)
+    shown, beside = pictures(sim), {**channel_files(sim), **scan_files(sim)}
     keypoints = KEYPOINTS in sim.config.render.channels
     return Job(sim, root / split, origins_m, header, shown, beside, keypoints)
 

@@ -21,6 +21,7 @@ from perilune.camera import bands
 from perilune.document.references import MASKS, OBJECTS, OF_SENSOR
 from perilune.export.writers.bop_files import RGB_FOLDER
 from perilune.export.writers.files import PNG_LEVEL, write_bytes
+from perilune.export.writers.scans import scan_names
 from perilune.export.writers.shown import main_picture
 from perilune.frame.craters import bodies_with
 from perilune.frame.labels import VALUES
@@ -105,6 +106,12 @@ def channel_files(sim: Simulation) -> dict[str, ChannelFiles]:
         if channel in found and bodies_with(sim.config, table):
             found[table] = ChannelFiles(NPY, "table", 0)
     return found
+
+
+def scan_files(sim: Simulation) -> dict[str, ChannelFiles]:
+    """The same for the tables of render.scans."""
+    names = scan_names(sim.config, sim.document.source)
+    return {name: ChannelFiles(NPY, "table", 0) for name in names}
 
 
 def label_names(sim: Simulation, channels: Iterable[str]) -> dict[str, Any]:

@@ -21,7 +21,7 @@ from perilune.config.schema import Symmetries
 from perilune.document.references import KEYPOINTS
 from perilune.drivers import Found, path_text
 from perilune.drivers.choice import KIND as CHOICE
-from perilune.export.writers.bop_channels import channel_files, label_names, pictures
+from perilune.export.writers.bop_channels import channel_files, label_names, pictures, scan_files
 from perilune.export.writers.bop_closed import closed
 from perilune.export.writers.bop_files import RGB_FOLDER
 from perilune.export.writers.bop_models import BopModel, Surfaces, bop_model
@@ -223,7 +223,7 @@ def provenance(sim: Simulation, chunk_size: int, split: str) -> dict[str, Any]:
 
 def dataset_info(sim: Simulation, chunk_size: int, split: str) -> dict[str, Any]:
     """dataset_info.json: everything needed to make the same dataset again."""
-    shown, beside = pictures(sim), channel_files(sim)
+    shown, beside = pictures(sim), {**channel_files(sim), **scan_files(sim)}
     names = label_names(sim, beside)
     named = {owner: list(rows) for owner, rows in sim.keypoint_names.items()}
     undistorted = any(camera.label_lens for camera in sim.config.cameras.values())

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from perilune.export.writers.begin import as_range, check_folder, check_simulation, check_split
 from perilune.export.writers.lock import locked
 from perilune.export.writers.queue import WriteQueue
+from perilune.export.writers.scans import scans
 from perilune.export.writers.shards import Note, Shard, check_frames, shard_chunks
 from perilune.export.writers.shown import main_picture
 from perilune.export.writers.table import Progress, WriteReport
@@ -98,6 +99,16 @@ class Opener(Protocol):
     def __call__(self, begun: Begun) -> Dataset: ...
 
 
+def tables_of(
+    sim: Simulation, sample: Sample, names: Sequence[str], threads: int | None = None
+) -> dict[str, NDArray[Any]]:
+    """Tables of the ground, and measurements, of a frame by name."""
+    found = scans(sim, sample, names, threads)
+    ground = [name for name in names if name not in found]
+    every = sim.ground_tables(sample) if ground else {}
+    return {**found, **{name: every[name] for name in ground}}
+
+
 class _Frames:
     """Renders frames with the channels of all datasets."""
 
@@ -118,8 +129,7 @@ class _Frames:
 
     def __call__(self, index: int) -> tuple[Sample, Tables]:
         sample = self._frame(index)
-        found = self._sim.ground_tables(sample) if self._tables else {}
-        tables = {table: found[table] for table in self._tables}
+        tables = tables_of(self._sim, sample, self._tables, self._threads)
         if self._pairs:
             follows = self._sim.timeline.beside(index, 1)
             # The last frame of a scene has no flow, and stands beside itself.

@@ -11,7 +11,7 @@ from perilune.config.errors import ConfigError
 from perilune.document.references import OBJECTS
 from perilune.export.writers.begin import check_simulation
 from perilune.export.writers.formats.base import Format
-from perilune.export.writers.formats.channels import asked_channels, described
+from perilune.export.writers.formats.channels import asked_channels, asked_scans, described
 from perilune.export.writers.formats.folder import open_folder
 from perilune.export.writers.run import write_datasets
 from perilune.export.writers.shards import Shard
@@ -23,17 +23,18 @@ DEFAULT_CHUNK = 1000
 
 def check_held(sim: Simulation, writers: Sequence[Writer], table: Mapping[str, Writer]) -> None:
     """ConfigError for a channel that is asked for and that none of the formats can hold."""
-    asked, stated = asked_channels(sim)
-    if not stated:
-        return
+    channels, stated = asked_channels(sim)
+    scanned = asked_scans(sim)
+    asked = [*(channels if stated else []), *scanned]
     for name, channel in described(sim, asked).items():
         if name == OBJECTS or any(row.holds is None or row.holds(channel) for row in writers):
             continue
         can = [row.name for row in table.values() if row.holds is not None and row.holds(channel)]
         told = " and ".join(f"'{row.name}'" for row in writers)
         noun = "the format" if len(writers) == 1 else "the formats"
+        key = "scans" if name in scanned else "channels"
         raise ConfigError(
-            f"{sim.document.source}: render.channels: {noun} {told} cannot hold '{name}'; these "
+            f"{sim.document.source}: render.{key}: {noun} {told} cannot hold '{name}'; these "
             f"can: {', '.join(can)} (several in one pass: --format {writers[0].name},{can[0]}); "
             "or leave it out"
         )

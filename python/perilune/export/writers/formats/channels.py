@@ -10,6 +10,7 @@ import numpy as np
 from perilune import _core
 from perilune.document.references import KEYPOINTS, MASKS, OBJECTS
 from perilune.export.writers.bop_channels import TABLES
+from perilune.export.writers.scans import is_scan, scan_doc, scan_names
 from perilune.frame.craters import bodies_with
 from perilune.frame.request import channel_layout
 from perilune.simulation import Simulation
@@ -66,6 +67,8 @@ def described(sim: Simulation, names: list[str]) -> dict[str, Channel]:
     if MASKS in names:
         doc = "silhouette of each spacecraft, whole and visible"
         found[MASKS] = Channel(MASKS, STACK, "bool", 0, "", doc)
+    for name in filter(is_scan, names):
+        found[name] = Channel(name, TABLE, "table", 0, "", scan_doc(name))
     for table, (channel, *_) in TABLES.items():
         if channel in found and bodies_with(sim.config, table):
             found[table] = Channel(table, TABLE, "table", 0, "", f"{table} of the frame")
@@ -76,3 +79,8 @@ def asked_channels(sim: Simulation) -> tuple[list[str], bool]:
     """The channels of the configuration, and whether it states them."""
     render = sim.config.render
     return list(render.channels), "channels" in render.model_fields_set
+
+
+def asked_scans(sim: Simulation) -> list[str]:
+    """The tables of measurements that the configuration asks for."""
+    return scan_names(sim.config, sim.document.source)

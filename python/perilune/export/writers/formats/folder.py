@@ -37,6 +37,7 @@ from perilune.export.writers.formats.info import folder_info
 from perilune.export.writers.formats.packs import Pack
 from perilune.export.writers.run import NEXT, Begun, Dataset, Tables
 from perilune.export.writers.same_source import check_same_source
+from perilune.export.writers.scans import channels_of_scan, is_scan
 from perilune.export.writers.shards import drop_notes
 from perilune.sample import Sample
 from perilune.simulation import Simulation
@@ -71,8 +72,9 @@ class FolderDataset(Dataset):
 
     @property
     def tables(self) -> list[str]:
-        """Tables of the ground, and the next picture, as far as the format has them."""
-        own = [table for table in TABLES if table in self.info["channels"]]
+        """Tables of the ground, measurements, and the next picture, as far as the format has
+        them."""
+        own = [name for name in self.info["channels"] if name in TABLES or is_scan(name)]
         return [*own, *([NEXT] if self.fmt.needs_next else [])]
 
     def find(self, images_of: Mapping[int, Mapping[int, int]], chunk_size: int) -> None:
@@ -169,9 +171,10 @@ def rendered_for(sim: Simulation, info: Mapping[str, Any]) -> list[str]:
     since metadata tell more where more is rendered: so a record does not depend on what other
     formats are written beside."""
     asked, stated = asked_channels(sim)
-    own = [name for name in info["channels"] if name not in TABLES]
+    own = [name for name in info["channels"] if name not in TABLES and not is_scan(name)]
     tables = [table for table in TABLES if table in info["channels"]]
     more = [name for table in tables for name in (*TABLES[table], "instance")]
+    more += [name for scan in info["channels"] for name in channels_of_scan(sim, scan)]
     return list(dict.fromkeys([*own, *more, *(asked if stated else [])]))
 
 

@@ -11,7 +11,12 @@ from perilune.export.writers.bop_channels import label_names
 from perilune.export.writers.bop_source import driven_size, provenance
 from perilune.export.writers.files import json_text
 from perilune.export.writers.formats.base import Format, Info
-from perilune.export.writers.formats.channels import Channel, asked_channels, described
+from perilune.export.writers.formats.channels import (
+    Channel,
+    asked_channels,
+    asked_scans,
+    described,
+)
 from perilune.export.writers.shown import main_picture
 from perilune.frame.labels import object_class
 from perilune.simulation import Simulation
@@ -21,7 +26,7 @@ PICTURE = "picture"
 
 def rendered(fmt: Format, sim: Simulation) -> list[str]:
     """Channels that a format writes: what is asked for and it can hold, and what it needs."""
-    asked, _ = asked_channels(sim)
+    asked = [*asked_channels(sim)[0], *asked_scans(sim)]
     every = described(sim, asked)
     own = [name for name, channel in every.items() if not fmt.problem(channel)]
     needs = [main_picture(sim) if name == PICTURE else name for name in fmt.needs]

@@ -9,6 +9,7 @@ from perilune.export.writers.formats.exr import Exr, ExrHalf
 from perilune.export.writers.formats.hdf5 import Hdf5
 from perilune.export.writers.formats.kitti_flow import KittiFlow
 from perilune.export.writers.formats.npz import Npz
+from perilune.export.writers.formats.ply import Ply
 from perilune.export.writers.formats.png import Png
 from perilune.export.writers.formats.speed import Speed
 from perilune.export.writers.formats.webdataset import WebDataset
@@ -29,6 +30,7 @@ _ROWS: tuple[Format, ...] = (
     ExrHalf(),
     WebDataset(),
     Hdf5(),
+    Ply(),
 )
 FORMATS: dict[str, Format] = {row.name: row for row in _ROWS}
 """Every format but BOP's scene folders, which are their own."""
