@@ -1,6 +1,7 @@
 /* The type Terrain: heights of a body's ground. */
 #include <string.h>
 
+#include "pyext/py_layers.h"
 #include "pyext/py_read.h"
 #include "pyext/py_types.h"
 #include "terrain/plane_fit.h"
@@ -163,51 +164,8 @@ static int stack_of(PyObject *given, const char *what, PyObject *kept, pl_raster
   return pl_py_prefix_error(what);
 }
 
-enum { TRACKS_MOST = 64 };
-
-/* Reads (points, gauge_m, width_m, depth_m, spacing_m, imprint_m, chevron_rad, albedo). */
-static int track_of(PyObject *item, PyArrayObject **array, pl_wheel_track *out) {
-  const npy_intp shape[2] = {-1, 3};
-  pl_wheel_shape *s = &out->shape;
-  PyObject *points;
-  if (!PyTuple_Check(item)) {
-    PyErr_SetString(PyExc_TypeError, "must be a tuple of points and seven numbers");
-    return -1;
-  }
-  if (!PyArg_ParseTuple(item, "Oddddddd:track", &points, &s->gauge_m, &s->width_m, &s->depth_m,
-                        &s->spacing_m, &s->imprint_m, &s->chevron_rad, &s->albedo))
-    return -1;
-  *array = pl_py_array(points, "points", NPY_DOUBLE, 2, shape);
-  if (*array == NULL)
-    return -1;
-  out->points = PyArray_DATA(*array);
-  out->count = (size_t)PyArray_DIM(*array, 0);
-  return 0;
-}
-
-/* Reads a sequence of tracks; None: none. The arrays are the caller's. */
-static int tracks_of(PyObject *given, PyArrayObject *arrays[TRACKS_MOST], pl_wheel_track *out,
-                     size_t *count) {
-  const Py_ssize_t size = given != Py_None ? PySequence_Size(given) : 0;
-  if (size < 0)
-    return -1;
-  if (size > TRACKS_MOST) {
-    PyErr_Format(PyExc_ValueError, "tracks: %zd tracks; at most %d are supported", size,
-                 (int)TRACKS_MOST);
-    return -1;
-  }
-  for (Py_ssize_t n = 0; n < size; n++) {
-    PyObject *item = PySequence_GetItem(given, n);
-    const int failed = item == NULL || track_of(item, &arrays[n], &out[n]) < 0;
-    Py_XDECREF(item);
-    if (failed)
-      return pl_py_prefix_error("tracks");
-    *count = (size_t)n + 1;
-  }
-  return 0;
-}
-
 typedef struct parts {
+  PyObject *textures;
   PyObject *layers, *detail, *craters, *rocks, *albedo, *roughness, *known, *mask, *patch, *tracks;
   double roughness_baseline_m;
 } parts;
@@ -255,14 +213,17 @@ static int create(terrain_object *self, const double radii_m[3], const parts *in
       stack_of(in->roughness, "roughness", self->kept, &roughness) < 0 ||
       stack_of(in->mask, "mask", self->kept, &mask) < 0 || patch_of(in->patch, &frame.patch) < 0)
     return -1;
-  PyArrayObject *known = NULL, *arrays[TRACKS_MOST] = {NULL};
-  pl_wheel_track tracks[TRACKS_MOST];
+  PyArrayObject *known = NULL, *arrays[PL_PY_TRACKS] = {NULL};
+  pl_wheel_track tracks[PL_PY_TRACKS];
+  pl_ground_texture textures[PL_GROUND_TEXTURES];
   frame.tracks = tracks;
+  frame.textures = textures;
   int failed = known_of(in->known, &known, &frame) < 0 ||
-               tracks_of(in->tracks, arrays, tracks, &frame.track_count) < 0;
+               pl_py_tracks_of(in->tracks, arrays, tracks, &frame.track_count) < 0 ||
+               pl_py_textures_of(in->textures, self->kept, textures, &frame.texture_count) < 0;
   const pl_status status = failed ? PL_OK : pl_terrain_create(&frame, &self->terrain);
   Py_XDECREF((PyObject *)known);
-  for (int k = 0; k < TRACKS_MOST; k++)
+  for (int k = 0; k < PL_PY_TRACKS; k++)
     Py_XDECREF((PyObject *)arrays[k]);
   if (status != PL_OK) {
     pl_py_raise(status);
@@ -272,27 +233,18 @@ static int create(terrain_object *self, const double radii_m[3], const parts *in
 }
 
 static PyObject *terrain_new(PyTypeObject *type, PyObject *args, PyObject *kwargs) {
-  static char *names[] = {"radii_m",
-                          "layers",
-                          "detail",
-                          "craters",
-                          "rocks",
-                          "albedo",
-                          "roughness",
-                          "roughness_baseline_m",
-                          "known_craters",
-                          "mask",
-                          "patch",
-                          "tracks",
-                          NULL};
+  static char *names[] = {"radii_m",       "layers", "detail",    "craters",
+                          "rocks",         "albedo", "roughness", "roughness_baseline_m",
+                          "known_craters", "mask",   "patch",     "tracks",
+                          "textures",      NULL};
   PyObject *radii;
-  parts in = {NULL,    Py_None, Py_None, Py_None, Py_None, Py_None,
-              Py_None, Py_None, Py_None, Py_None, 0.0};
+  parts in = {Py_None, NULL,    Py_None, Py_None, Py_None, Py_None,
+              Py_None, Py_None, Py_None, Py_None, Py_None, 0.0};
   const npy_intp shape[1] = {3};
-  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "O|OOOOOOdOOOO:Terrain", names, &radii, &in.layers,
-                                   &in.detail, &in.craters, &in.rocks, &in.albedo, &in.roughness,
-                                   &in.roughness_baseline_m, &in.known, &in.mask, &in.patch,
-                                   &in.tracks))
+  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "O|OOOOOOdOOOOO:Terrain", names, &radii,
+                                   &in.layers, &in.detail, &in.craters, &in.rocks, &in.albedo,
+                                   &in.roughness, &in.roughness_baseline_m, &in.known, &in.mask,
+                                   &in.patch, &in.tracks, &in.textures))
     return NULL;
   PyArrayObject *array = pl_py_array(radii, "radii_m", NPY_DOUBLE, 1, shape);
   if (array == NULL)
@@ -546,7 +498,8 @@ static PyGetSetDef terrain_getset[] = {
 static PyType_Slot terrain_slots[] = {
     {Py_tp_doc, "Terrain(radii_m, layers=(), detail=None, craters=None, rocks=None, "
                 "albedo=None, roughness=None, roughness_baseline_m=0.0, "
-                "known_craters=None, mask=None, patch=None, tracks=None)\n--\n\nGround of a body."},
+                "known_craters=None, mask=None, patch=None, tracks=None, "
+                "textures=None)\n--\n\nGround of a body."},
     {Py_tp_new, (void *)terrain_new},
     {Py_tp_dealloc, (void *)terrain_dealloc},
     {Py_tp_methods, terrain_methods},

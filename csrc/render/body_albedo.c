@@ -56,6 +56,16 @@ static void add_rays(const pl_shot_body *body, const pl_vertex *vertex, float ma
     map[k] *= factor;
 }
 
+/* Rocks have the roughness of their place. */
+static double texture_at(pl_ground_texture_kind kind, const pl_shot_body *body, const pl_beam *beam,
+                         const pl_vertex *vertex) {
+  const pl_vec3 local =
+      pl_mat3_mul_vec_t(body->rotation, pl_vec3_sub(vertex->position, body->center));
+  const double cosine = fabs(pl_vec3_dot(beam->direction, pl_vec3f_to_double(vertex->ng)));
+  return pl_terrain_texture(body->body->terrain, kind, pl_vec3_unit(local),
+                            (double)pl_beam_width(beam, vertex->t) / sqrt(fmax(cosine, 0.02)));
+}
+
 /* Rocks are clean: none lies in a track. */
 static void add_tracks(const pl_shot_body *body, const pl_beam *beam, const pl_vertex *vertex,
                        float map[4]) {
@@ -79,6 +89,11 @@ void pl_body_albedo_finish(const pl_shot_body *body, const pl_beam *beam, pl_det
     return;
   if (detail.rays)
     add_rays(body, vertex, map);
+  if (detail.maps && pl_terrain_has_textures(terrain)) {
+    const float factor = (float)texture_at(PL_GROUND_ALBEDO, body, beam, vertex);
+    for (int k = 0; k < 3; k++)
+      map[k] *= factor;
+  }
   if (detail.maps && pl_terrain_tracks(terrain) != NULL)
     add_tracks(body, beam, vertex, map);
 }
@@ -88,5 +103,10 @@ pl_raster_mix pl_body_roughness(const pl_shot_body *body, const pl_beam *beam, b
   const pl_terrain *terrain = body->body->terrain;
   if (terrain == NULL)
     return (pl_raster_mix){0.0, 1.0};
-  return stack_at(pl_terrain_roughness(terrain), body, beam, maps, vertex);
+  pl_raster_mix mix = stack_at(pl_terrain_roughness(terrain), body, beam, maps, vertex);
+  if (maps && pl_terrain_has_textures(terrain)) {
+    const double factor = texture_at(PL_GROUND_ROUGHNESS, body, beam, vertex);
+    mix = (pl_raster_mix){factor * mix.value, factor * mix.below};
+  }
+  return mix;
 }

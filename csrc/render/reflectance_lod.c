@@ -254,6 +254,7 @@ pl_status pl_reflectance_lod_fit(const pl_snapshot *shot, pl_detail detail, pl_a
     samples->mapped =
         body->body->map != NULL || body->body->regolith_map != NULL ||
         (body->body->terrain != NULL && (pl_terrain_albedo(body->body->terrain)->count > 0 ||
+                                         pl_terrain_has_textures(body->body->terrain) ||
                                          pl_terrain_tracks(body->body->terrain) != NULL));
     set_window(body, samples);
     take_samples(samples);

@@ -113,15 +113,18 @@ static float map_max(const pl_body *body, const pl_body_state *state, int band) 
     most = fmaxf(most, (float)pl_terrain_albedo(body->terrain)->high);
   if (body->terrain != NULL && pl_terrain_tracks(body->terrain) != NULL)
     most *= (float)pl_wheel_tracks_brightest(pl_terrain_tracks(body->terrain));
+  if (body->terrain != NULL)
+    most *= (float)pl_terrain_texture_brightest(body->terrain);
   most *= 1.0f + fmaxf(state->contrast, 0.0f);
   return body->terrain != NULL ? most * (float)(1.0 + pl_terrain_ray_brightness(body->terrain))
                                : most;
 }
 
 static bool has_rasters(const pl_body *body) {
-  return body->terrain != NULL && (pl_terrain_albedo(body->terrain)->count > 0 ||
-                                   pl_terrain_roughness(body->terrain)->count > 0 ||
-                                   pl_terrain_tracks(body->terrain) != NULL);
+  return body->terrain != NULL &&
+         (pl_terrain_albedo(body->terrain)->count > 0 ||
+          pl_terrain_roughness(body->terrain)->count > 0 ||
+          pl_terrain_has_textures(body->terrain) || pl_terrain_tracks(body->terrain) != NULL);
 }
 
 /* Upper bound of the albedo: the reflectance of the body's brightest soil in its brightest
@@ -141,6 +144,8 @@ static double albedo_max(const pl_body *body, const pl_body_state *state) {
     float *roughness = &surface.regolith.band[k].roughness_rad; /* which takes light away */
     if (body->terrain != NULL && pl_terrain_roughness(body->terrain)->count > 0)
       *roughness = fminf(*roughness, (float)pl_terrain_roughness(body->terrain)->low);
+    if (body->terrain != NULL && pl_terrain_has_textures(body->terrain))
+      *roughness = 0.0f;
   }
   surface.color = pl_vec3f_make(color[0], color[1], color[2]);
   return pl_regolith_peak(&surface);

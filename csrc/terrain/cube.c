@@ -50,6 +50,17 @@ void pl_cube_locate(pl_vec3 direction, int *face, double *s, double *t) {
   *t = angle_of(axes->sign[2] * v[axes->axis[2]], fabs(v[main]));
 }
 
+bool pl_cube_beside(int face, pl_vec3 direction, double *s, double *t) {
+  const double v[3] = {direction.x, direction.y, direction.z};
+  const face_axes *axes = &FACES[face];
+  const double outward = axes->sign[0] * v[axes->axis[0]];
+  if (!(outward > 0.5))
+    return false;
+  *s = atan(axes->sign[1] * v[axes->axis[1]] / outward) * (4.0 / PL_PI);
+  *t = atan(axes->sign[2] * v[axes->axis[2]] / outward) * (4.0 / PL_PI);
+  return true;
+}
+
 double pl_cube_cell_m(int level, double radius_m) { return ldexp(0.5 * PL_PI * radius_m, -level); }
 
 int pl_cube_level(double cell_m, double radius_m) {

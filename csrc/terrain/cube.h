@@ -7,6 +7,7 @@
 #ifndef PL_TERRAIN_CUBE_H
 #define PL_TERRAIN_CUBE_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "math/vec.h"
@@ -22,6 +23,10 @@ pl_vec3 pl_cube_direction(int face, double s, double t);
 /* Finds the face and the coordinates of a direction of any length but 0. On edges and corners it is
  * the first of the faces. */
 void pl_cube_locate(pl_vec3 direction, int *face, double *s, double *t);
+
+/* Finds the coordinates of a unit direction on a face, which may lie beyond its edges; false if
+ * the direction is more than about 60 degrees from the middle of the face. */
+bool pl_cube_beside(int face, pl_vec3 direction, double *s, double *t);
 
 /* Returns s of node i; t of node j. */
 static inline double pl_cube_node(int level, int64_t i) {

@@ -43,6 +43,12 @@ void pl_slope_table_init(pl_terrain *terrain, double roughness_baseline_m) {
   }
   if (terrain->craters != NULL)
     pl_crater_slope_variances(terrain->craters, cells_m, PL_CUBE_LEVELS, out->craters);
+  for (int k = 0; k < PL_CUBE_LEVELS; k++) {
+    out->textures[k] = 0.0;
+    for (size_t n = 0; n < terrain->texture_count; n++)
+      out->textures[k] += pl_ground_texture_variance(&terrain->textures[n], 0.0) -
+                          pl_ground_texture_variance(&terrain->textures[n], 2.0 * cells_m[k]);
+  }
   add_stones(terrain, cells_m);
   out->shared =
       roughness_baseline_m > 0.0 ? pl_terrain_slope_variance(terrain, roughness_baseline_m) : 0.0;
@@ -58,6 +64,25 @@ static int coarsest_at(const pl_terrain *terrain, pl_vec3 direction) {
       return pl_cube_level(layer->spacing_m, terrain->radius_m);
   }
   return terrain->detail.first;
+}
+
+/* Normals of the mesh are differences across two cells: what they have of textures is taken away
+ * from the slopes over the footprint. */
+static void add_textures(const pl_terrain *terrain, pl_vec3 direction, int level,
+                         double footprint_m, pl_sub_cell *out) {
+  const double mesh_m = 2.0 * pl_cube_cell_m(level, terrain->radius_m);
+  for (size_t n = 0; n < terrain->texture_count; n++) {
+    const pl_ground_texture *of = &terrain->textures[n];
+    const double all = pl_ground_texture_variance(of, 0.0);
+    const double fine = pl_ground_texture_variance(of, footprint_m);
+    out->variance += all - fine;
+    out->whole += all - fmin(fine, pl_ground_texture_variance(of, mesh_m));
+    if (of->heights == NULL || footprint_m >= mesh_m)
+      continue;
+    const pl_vec3 own = pl_ground_texture_slope(of, terrain->radius_m, direction, footprint_m);
+    const pl_vec3 has = pl_ground_texture_slope(of, terrain->radius_m, direction, mesh_m);
+    out->slope = pl_vec3_add(out->slope, pl_vec3_sub(own, has));
+  }
 }
 
 pl_sub_cell pl_terrain_sub_cell(const pl_terrain *terrain, pl_vec3 direction, int level,
@@ -87,6 +112,7 @@ pl_sub_cell pl_terrain_sub_cell(const pl_terrain *terrain, pl_vec3 direction, in
   out.whole += out.variance;
   out.slope = pl_vec3_madd(out.slope, -pl_vec3_dot(out.slope, direction), direction);
   out.slope = pl_vec3_scale(out.slope, 1.0 / terrain->radius_m);
+  add_textures(terrain, direction, level, footprint_m, &out);
   return out;
 }
 
@@ -97,8 +123,8 @@ double pl_terrain_slope_variance(const pl_terrain *terrain, double cell_m) {
   const double at = fmin(fmax(log2(widest_m / cell_m), 0.0), PL_CUBE_LEVELS - 1.0);
   const int level = (int)at < PL_CUBE_LEVELS - 2 ? (int)at : PL_CUBE_LEVELS - 2;
   const double part = at - level;
-  return (1.0 - part) * (table->beyond[level] + table->craters[level]) +
-         part * (table->beyond[level + 1] + table->craters[level + 1]);
+  return (1.0 - part) * (table->beyond[level] + table->craters[level] + table->textures[level]) +
+         part * (table->beyond[level + 1] + table->craters[level + 1] + table->textures[level + 1]);
 }
 
 /* Hapke's mean slope: tan(theta) is sqrt(2/pi) times the deviation of slopes along an axis. */

@@ -138,8 +138,10 @@ pl_status pl_terrain_create(const pl_terrain_frame *frame, pl_terrain **out) {
     if (layer->coarsest < t->detail.first)
       layer->coarsest = t->detail.first;
   }
+  pl_status status = pl_terrain_take_textures(t, frame);
   pl_slope_table_init(t, frame->roughness_baseline_m);
-  pl_status status = copy_known(frame, t);
+  if (status == PL_OK)
+    status = copy_known(frame, t);
   if (status == PL_OK && frame->track_count > 0)
     status = pl_wheel_tracks_create(frame->tracks, frame->track_count, &t->tracks);
   if (status == PL_OK)
@@ -201,6 +203,11 @@ int pl_terrain_finest_level(const pl_terrain *terrain) {
   int finest = terrain->detail.last > 0 ? terrain->detail.last : 0;
   for (size_t n = 0; n < terrain->layer_count; n++) {
     const int level = pl_cube_level(0.5 * terrain->layers[n].spacing_m, terrain->radius_m);
+    finest = level > finest ? level : finest;
+  }
+  for (size_t n = 0; n < terrain->texture_count; n++) {
+    const double texel_m = pl_ground_texture_texel_m(&terrain->textures[n]);
+    const int level = isfinite(texel_m) ? pl_cube_level(texel_m, terrain->radius_m) : 0;
     finest = level > finest ? level : finest;
   }
   return finest;
@@ -270,6 +277,10 @@ void pl_terrain_bounds(const pl_terrain *terrain, double *low_m, double *high_m)
     pl_wheel_tracks_bounds(terrain->tracks, &below_m, &above_m);
     *low_m += below_m;
     *high_m += above_m;
+  }
+  for (size_t n = 0; n < terrain->texture_count; n++) {
+    *low_m -= pl_ground_texture_bound_m(&terrain->textures[n]);
+    *high_m += pl_ground_texture_bound_m(&terrain->textures[n]);
   }
 }
 

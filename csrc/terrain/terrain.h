@@ -5,7 +5,7 @@
  * of a level of the cube's lattice (`terrain/cube.h`), which says how much is drawn: the same bits
  * alone, in any block, on any thread.
  *
- *     h(d) = layers blended of U(Z)(d) + q(d) - U(q)(d), + craters(d) + tracks(d)
+ *     h(d) = layers blended of U(Z)(d) + q(d) - U(q)(d), + craters(d) + textures(d) + tracks(d)
  *
  * U interpolates a raster's posts Z, or means of them where cells of the lattice are wider. q is
  * the detail (`terrain/fractal_detail.h`) of wavelengths below a few posts; without U(q), its own
@@ -24,6 +24,7 @@
 #include "terrain/crater_blocks.h"
 #include "terrain/crater_field.h"
 #include "terrain/detail_law.h"
+#include "terrain/ground_texture.h"
 #include "terrain/raster.h"
 #include "terrain/raster_stack.h"
 #include "terrain/wheel_tracks.h"
@@ -71,6 +72,8 @@ typedef struct pl_terrain_frame {
   size_t known_count;
   const pl_wheel_track *tracks; /* copied */
   size_t track_count;
+  const pl_ground_texture *textures; /* copied, with borrowed rasters; at most PL_GROUND_TEXTURES */
+  size_t texture_count;
 } pl_terrain_frame;
 
 typedef struct pl_terrain pl_terrain;
@@ -89,6 +92,13 @@ double pl_terrain_radius_m(const pl_terrain *terrain);
 const struct pl_rock_field *pl_terrain_rocks(const pl_terrain *terrain);
 /* Tracks of wheels, which its heights have; NULL without any. */
 const pl_wheel_tracks *pl_terrain_tracks(const pl_terrain *terrain);
+/* Whether textures have roughness or albedo. */
+bool pl_terrain_has_textures(const pl_terrain *terrain);
+/* Returns the product of the factors of textures in a unit direction, over a footprint. */
+double pl_terrain_texture(const pl_terrain *terrain, pl_ground_texture_kind kind, pl_vec3 direction,
+                          double footprint_m);
+/* Returns a bound of the factors of textures on the albedo, at least 1. */
+double pl_terrain_texture_brightest(const pl_terrain *terrain);
 /* Rasters of the surface; empty without any. */
 const pl_raster_stack *pl_terrain_albedo(const pl_terrain *terrain);
 const pl_raster_stack *pl_terrain_roughness(const pl_terrain *terrain);

@@ -222,6 +222,7 @@ static pl_status full_heights(work *w, const pl_vec3 *directions, size_t count, 
   const pl_terrain *terrain = w->terrain;
   const double cell_m = pl_cube_cell_m(w->level, terrain->radius_m);
   base_heights(w, directions, count, heights_m);
+  pl_terrain_add_textures(terrain, directions, count, cell_m, heights_m);
   if (terrain->tracks != NULL)
     pl_wheel_tracks_add_heights(terrain->tracks, directions, count, cell_m, heights_m);
   if (terrain->craters == NULL)

@@ -22,6 +22,7 @@ typedef struct pl_slope_table {
   double craters[PL_CUBE_LEVELS];    /* of what cells of this level leave out of craters */
   double stones[PL_CUBE_LEVELS];     /* share of the ground under rocks that such cells leave out */
   double stone_height;               /* of these over the ground, over their width */
+  double textures[PL_CUBE_LEVELS];   /* of what cells of this level leave out of textures */
   double shared;                     /* below roughness_baseline_m, of detail and craters */
 } pl_slope_table;
 
@@ -47,10 +48,17 @@ struct pl_terrain {
   size_t known_count;
   double known_most_m;     /* greatest diameter */
   pl_wheel_tracks *tracks; /* owned; NULL for none */
+  pl_ground_texture textures[PL_GROUND_TEXTURES];
+  size_t texture_count;
 };
 
 /* What the rasters show of craters. */
 pl_crater_model pl_terrain_crater_model(const pl_terrain *terrain);
+/* Copies and checks textures. */
+pl_status pl_terrain_take_textures(pl_terrain *terrain, const pl_terrain_frame *frame);
+/* Adds the heights of textures, as means over cells. */
+void pl_terrain_add_textures(const pl_terrain *terrain, const pl_vec3 *directions, size_t count,
+                             double cell_m, double *heights_m);
 /* Sets terrain->slopes from the laws of detail and craters. */
 void pl_slope_table_init(pl_terrain *terrain, double roughness_baseline_m);
 

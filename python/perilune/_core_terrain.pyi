@@ -96,6 +96,7 @@ class Terrain:
         mask: Sequence[tuple[Raster, float]] | None = None,
         patch: tuple[tuple[float, float, float], float] | None = None,
         tracks: Sequence[tuple[F64, float, float, float, float, float, float, float]] | None = None,
+        textures: Sequence[tuple[Raster | None, Raster | None, Raster | None, float, int]] | None = None,
     ) -> Self:
         """radii_m: (3,) of the ellipsoid. layers: (raster, interpolation, border_posts, datum_m), each
         over those before it: interpolation "bilinear" | "cubic"; the border is the width of blending
@@ -111,7 +112,8 @@ class Terrain:
         unit directions and diameters (m) of craters that are labelled, but not drawn. mask: whole numbers,
         as albedo. patch: unit direction and side (m) of a square; meshes are fine only in it.
         tracks: of wheels: points (n, 3) of the ellipsoid (m), gauge, width, depth, spacing and depth of
-        the imprints of grousers (m), angle of their bars (rad), factor on the albedo."""
+        the imprints of grousers (m), angle of their bars (rad), factor on the albedo. textures: images of
+        heights (m), factors on roughness and albedo, their width on the ground (m) and a seed."""
     def heights(self, directions: F64, cell_m: float = 0.0) -> F64:
         """(n,) heights, m, in directions (n, 3) in body axes, as a lattice with cells of at most
         cell_m resolves them; 0: of the finest level."""

@@ -242,6 +242,9 @@ THINGS = [
                 "min_diameter_m": 2e4,
                 "max_diameter_m": 2e5,
             },
+            "textures": [
+                {"size_m": 6e4, "displacement": {"file": GREY_MAP, "high_m": 4e4}},
+            ],
             "tracks": [{**TRACK, "lon_deg": lon} for lon in (0.0, 90.0, 180.0, 270.0)],
             "cells_per_pixel": 0.25,
             "finest_cell_m": 4e4,

@@ -21,6 +21,8 @@ from perilune.config.tracks import Track
 from perilune.orbits.ground import Ground
 
 F64 = NDArray[np.float64]
+Textures = tuple[_core.Raster | None, _core.Raster | None, _core.Raster | None]
+"""Images of heights, roughness and albedo."""
 
 
 def _detail(given: Detail) -> dict[str, Any]:
@@ -83,10 +85,12 @@ def core_terrain(
     catalogue: NDArray[np.void] | None = None,
     mask: Sequence[ElevationRaster] = (),
     geodetic: bool = False,
+    textures: Sequence[Textures] = (),
 ) -> _core.Terrain:
     """The core's ground of a section. rasters, albedo, roughness, mask: what its keys were read
     to; those that reach a pole get a patch over it, but not masks.
-    catalogue: of CATALOGUED. geodetic: the latitudes of sites. Raises ValueError."""
+    catalogue: of CATALOGUED. geodetic: the latitudes of sites. textures: what
+    textures were read to. Raises ValueError."""
     whole = [patch for row in rasters for patch in with_patches(row, float(radii_m[0]))]
     layers = [(row.raster, row.interpolation, row.border_posts, row.datum_m) for row in whole]
     detail = None if given.detail is None else _detail(given.detail)
@@ -116,6 +120,10 @@ def core_terrain(
         masks,
         patch,
         [_track(track, radii_m, geodetic) for track in given.tracks],
+        [
+            (*images, row.size_m, row.seed)
+            for images, row in zip(textures, given.textures, strict=True)
+        ],
     )
 
 

@@ -10,6 +10,7 @@ from pydantic import BeforeValidator, Field, model_validator
 from perilune.config.craters import Craters
 from perilune.config.elevation import Elevation, Latitude, Longitude, SurfaceRaster
 from perilune.config.errors import fail
+from perilune.config.ground_textures import GroundTexture
 from perilune.config.rocks import Rocks
 from perilune.config.tracks import Track
 from perilune.config.types import NonNegative, Positive, Strict, refuse_drawn
@@ -126,6 +127,9 @@ class Terrain(Strict):
     drawn: elevation models show them. `craters` are smaller than the smallest of them."""
     rocks: Rocks | None = None
     """Rocks on the ground; none by default."""
+    textures: Annotated[tuple[GroundTexture, ...], Field(max_length=4)] = ()
+    """Textures of the ground: displacement, roughness and albedo by images of a small sample, below
+    the posts and the detail."""
     tracks: Annotated[tuple[Track, ...], Field(max_length=64)] = ()
     """Tracks of wheels on the ground. They are no part of labels. Rocks do not lie in them."""
     cells_per_pixel: _Cells = 1.0

@@ -13,11 +13,14 @@ from perilune import _core, orbits
 from perilune.bodies import terrain as terrains
 from perilune.bodies.craters import read_catalogue
 from perilune.bodies.elevation import ElevationRaster, read_elevation
+from perilune.bodies.ground_textures import read_texture
 from perilune.bodies.shapes import BodyShape
 from perilune.bodies.surface_rasters import ALBEDO, MASK, ROUGHNESS, Quantity, read_surface
 from perilune.config.body import Body
 from perilune.config.elevation import Elevation, SurfaceRaster
+from perilune.config.terrain import Terrain
 from perilune.config.errors import ConfigError
+from perilune.config.ground_textures import FactorImage, HeightImage
 from perilune.config.types import Latitudes
 from perilune.document.document import Document
 from perilune.orbits.ground import Ground
@@ -44,6 +47,7 @@ class Terrains:
     def __init__(self) -> None:
         self._elevations: dict[tuple[Any, ...], ElevationRaster] = {}
         self._catalogues: dict[Path, NDArray[np.void]] = {}
+        self._textures: dict[tuple[Any, ...], _core.Raster] = {}
         self._terrains: dict[tuple[Any, ...], tuple[_core.Terrain, Ground]] = {}
         self._shapes: dict[tuple[Any, ...], Ground] = {}
 
@@ -84,6 +88,36 @@ class Terrains:
         teller.tell(f"{key}.file", str(path), found.remarks)
         return found
 
+    def _texture(
+        self, document: Document, key: str, given: HeightImage | FactorImage | None
+    ) -> _core.Raster | None:
+        if given is None:
+            return None
+        low, high = (
+            (given.low_m, given.high_m)
+            if isinstance(given, HeightImage)
+            else (given.low, given.high)
+        )
+        path = document.path(given.file, f"{key}.file")
+        if (path, low, high) not in self._textures:
+            try:
+                self._textures[path, low, high] = read_texture(path, low, high)
+            except ValueError as error:
+                raise ConfigError(f"{document.source}:\n  {key}.{error}") from error
+        return self._textures[path, low, high]
+
+    def _textures_of(
+        self, document: Document, where: str, given: Terrain
+    ) -> list[terrains.Textures]:
+        return [
+            (
+                self._texture(document, f"{where}.textures[{k}].displacement", row.displacement),
+                self._texture(document, f"{where}.textures[{k}].roughness", row.roughness),
+                self._texture(document, f"{where}.textures[{k}].albedo", row.albedo),
+            )
+            for k, row in enumerate(given.textures)
+        ]
+
     def catalogue(self, document: Document, name: str, body: Body) -> NDArray[np.void] | None:
         """The catalogue of a body's craters, read once; None if it has none."""
         if body.terrain is None or body.terrain.crater_catalogue is None:
@@ -105,7 +139,14 @@ class Terrains:
         assert body.terrain is not None  # it has one
         given, radii = body.terrain, orbits.radii_m(body)
         surface = given.albedo, given.roughness, given.mask, given.patch, given.roughness_baseline_m
-        relief = given.elevation, given.detail, given.craters, given.rocks, given.tracks
+        relief = (
+            given.elevation,
+            given.detail,
+            given.craters,
+            given.rocks,
+            given.tracks,
+            given.textures,
+        )
         parts = (*relief, *surface)
         key = (name, *parts, tuple(radii), body.is_geodetic)
         if key not in self._terrains:
@@ -124,10 +165,19 @@ class Terrains:
             roughness = read("roughness", given.roughness, ROUGHNESS)
             mask = read("mask", given.mask, MASK)
             catalogue = self.catalogue(document, name, body)
+            textures = self._textures_of(document, where, given)
             _make_room(self._terrains)
             try:
                 core = terrains.core_terrain(
-                    given, radii, rasters, albedo, roughness, catalogue, mask, body.is_geodetic
+                    given,
+                    radii,
+                    rasters,
+                    albedo,
+                    roughness,
+                    catalogue,
+                    mask,
+                    body.is_geodetic,
+                    textures,
                 )
             except ValueError as error:
                 raise ConfigError(f"{document.source}:\n  {where}: {error}") from error

@@ -1,0 +1,284 @@
+#include "terrain/ground_texture.h"
+
+#include <math.h>
+
+#include "math/philox.h"
+#include "terrain/cube.h"
+
+/* Lattices have edges of this part of the shorter side of the image: patches reach as far about
+ * their node, and their middles are within the inner half of the image. */
+#define EDGE 0.25
+/* Faces of the cube blend over so many edges to both sides of where they meet. */
+#define SEAM 2.0
+/* Nodes about a point: three on each of up to three faces. */
+enum { PATCHES = 9 };
+/* Least number of edges along a face: patches are flat. */
+#define LEAST_EDGES 40.0
+/* The weights of patches sum to at most this, where their squares sum to 1. */
+#define WEIGHTS_MOST 3.0
+/* From this footprint on, in edges, deviations fade, to nothing at twice as much. */
+#define FADE_FROM 1.0
+
+static const double ROOT3_2 = 0.86602540378443865;
+
+/* A patch at a point: place in the image over its width and height, and its weight. */
+typedef struct patch {
+  double x, y, weight;
+} patch;
+
+static const pl_raster *first_of(const pl_ground_texture *texture) {
+  return texture->heights != NULL     ? texture->heights
+         : texture->roughness != NULL ? texture->roughness
+                                      : texture->albedo;
+}
+
+static double tall(const pl_raster *raster) {
+  const pl_raster_frame *frame = pl_raster_frame_of(raster);
+  return (double)frame->height / (double)frame->width;
+}
+
+static double edge_m(const pl_ground_texture *texture) {
+  return EDGE * texture->size_m * fmin(1.0, tall(first_of(texture)));
+}
+
+/* The patch of a node (i, j) of a face at a point: `to` is the direction of the point. */
+static void add_patch(const pl_ground_texture *texture, double radius_m, int face, double edge,
+                      const int64_t node[2], double weight, pl_vec3 to, patch *out) {
+  const double unit = 1.0 / (0.25 * PL_PI * radius_m);
+  const pl_vec3 at =
+      pl_cube_direction(face, edge * ((double)node[0] + 0.5 * (double)node[1]) * unit,
+                        edge * ROOT3_2 * (double)node[1] * unit);
+  const uint64_t key[2] = {texture->seed, UINT64_C(0x74657874757265)};
+  const uint64_t counter[4] = {(uint64_t)face, (uint64_t)node[0], (uint64_t)node[1], 0};
+  uint64_t words[4];
+  pl_philox(key, counter, words);
+  const double turn = 2.0 * PL_PI * pl_philox_double(words[0]);
+  const pl_vec3 other = fabs(at.z) < 0.7 ? (pl_vec3){0.0, 0.0, 1.0} : (pl_vec3){1.0, 0.0, 0.0};
+  const pl_vec3 a = pl_vec3_unit(pl_vec3_cross(other, at)), b = pl_vec3_cross(at, a);
+  const pl_vec3 off = pl_vec3_scale(pl_vec3_sub(to, at), radius_m);
+  const double u = pl_vec3_dot(off, a), v = pl_vec3_dot(off, b);
+  const double high_m = texture->size_m * tall(first_of(texture));
+  const double free_x = 1.0 - 2.0 * edge / texture->size_m, free_y = 1.0 - 2.0 * edge / high_m;
+  out->x = edge / texture->size_m + free_x * pl_philox_double(words[1]) +
+           (u * cos(turn) - v * sin(turn)) / texture->size_m;
+  out->y = edge / high_m + free_y * pl_philox_double(words[2]) +
+           (u * sin(turn) + v * cos(turn)) / high_m;
+  out->weight = weight;
+}
+
+/* Adds the three patches about a point on a face with a share; returns their number. */
+static int add_face(const pl_ground_texture *texture, double radius_m, int face, double s, double t,
+                    double share, pl_vec3 to, patch *out) {
+  const double edge = edge_m(texture), unit = 0.25 * PL_PI * radius_m / edge;
+  const double q = t * unit / ROOT3_2, r = s * unit - 0.5 * q;
+  const int64_t i = (int64_t)floor(r), j = (int64_t)floor(q);
+  const double f = r - (double)i, g = q - (double)j;
+  const bool upper = f + g > 1.0;
+  const int64_t nodes[3][2] = {{i + upper, j + upper}, {i + 1, j}, {i, j + 1}};
+  const double w[3] = {upper ? f + g - 1.0 : 1.0 - f - g, upper ? 1.0 - g : f, upper ? 1.0 - f : g};
+  int count = 0;
+  for (int k = 0; k < 3; k++)
+    if (w[k] > 0.0)
+      /* Squares: they fall to 0 without a kink. */
+      add_patch(texture, radius_m, face, edge, nodes[k], share * w[k] * w[k], to, &out[count++]);
+  return count;
+}
+
+static double ramp(double t) {
+  t = fmin(fmax(t, 0.0), 1.0);
+  return t * t * (3.0 - 2.0 * t);
+}
+
+/* Share of a face beside its edges, by a coordinate. */
+static double share_of(double s, double seam) {
+  return ramp((1.0 - fabs(s) + seam) / (2.0 * seam));
+}
+
+/* Finds the patches of a point, with weights whose squares sum to 1. */
+static int find_patches(const pl_ground_texture *texture, double radius_m, pl_vec3 to,
+                        patch out[PATCHES]) {
+  const double seam = SEAM * edge_m(texture) / (0.25 * PL_PI * radius_m);
+  double squares = 0.0;
+  int count = 0;
+  for (int face = 0; face < PL_CUBE_FACES; face++) {
+    double s, t;
+    if (!pl_cube_beside(face, to, &s, &t))
+      continue;
+    const double share = share_of(s, seam) * share_of(t, seam);
+    if (share > 0.0 && count + 3 <= PATCHES)
+      count += add_face(texture, radius_m, face, s, t, share, to, &out[count]);
+  }
+  for (int k = 0; k < count; k++)
+    squares += out[k].weight * out[k].weight;
+  for (int k = 0; k < count; k++)
+    out[k].weight /= sqrt(squares);
+  return count;
+}
+
+/* Value of an image, between the two levels whose cells are about as wide as the footprint. */
+static double value_at(const pl_raster *raster, double size_m, double x, double y,
+                       double footprint_m) {
+  const pl_raster_frame *frame = pl_raster_frame_of(raster);
+  const double columns = (double)frame->width, rows = (double)frame->height;
+  const double texels = footprint_m * columns / size_m;
+  const double at = texels > 1.0 ? fmin(log2(texels), pl_raster_levels(raster) - 1.0) : 0.0;
+  const int level = (int)at;
+  const double u = x * columns - 0.5, v = y * rows - 0.5;
+  const double fine = pl_raster_value(raster, level, u, v, PL_INTERPOLATION_CUBIC);
+  if (at - level <= 0.0)
+    return fine;
+  return fine +
+         (at - level) * (pl_raster_value(raster, level + 1, u, v, PL_INTERPOLATION_CUBIC) - fine);
+}
+
+static const pl_raster *raster_of(const pl_ground_texture *texture, pl_ground_texture_kind kind) {
+  return kind == PL_GROUND_HEIGHTS     ? texture->heights
+         : kind == PL_GROUND_ROUGHNESS ? texture->roughness
+                                       : texture->albedo;
+}
+
+double pl_ground_texture_at(const pl_ground_texture *texture, pl_ground_texture_kind kind,
+                            double radius_m, pl_vec3 direction, double footprint_m) {
+  const pl_raster *raster = raster_of(texture, kind);
+  patch patches[PATCHES];
+  if (raster == NULL)
+    return kind == PL_GROUND_HEIGHTS ? 0.0 : 1.0;
+  const double mean = texture->means[kind];
+  /* Wider footprints than patches have the mean. */
+  const double left = 1.0 - ramp((footprint_m / edge_m(texture) - FADE_FROM) / FADE_FROM);
+  if (!(left > 0.0))
+    return kind == PL_GROUND_HEIGHTS ? 0.0 : mean;
+  double sum = 0.0;
+  const int count = find_patches(texture, radius_m, direction, patches);
+  for (int k = 0; k < count; k++)
+    sum += patches[k].weight *
+           (value_at(raster, texture->size_m, patches[k].x, patches[k].y, footprint_m) - mean);
+  sum *= left;
+  return kind == PL_GROUND_HEIGHTS ? sum : fmax(mean + sum, 0.0);
+}
+
+pl_vec3 pl_ground_texture_slope(const pl_ground_texture *texture, double radius_m,
+                                pl_vec3 direction, double footprint_m) {
+  pl_vec3 out = {0.0, 0.0, 0.0};
+  if (texture->heights == NULL)
+    return out;
+  const double half_m = 0.5 * fmax(footprint_m, pl_ground_texture_texel_m(texture));
+  const pl_vec3 other =
+      fabs(direction.z) < 0.7 ? (pl_vec3){0.0, 0.0, 1.0} : (pl_vec3){1.0, 0.0, 0.0};
+  const pl_vec3 a = pl_vec3_unit(pl_vec3_cross(other, direction));
+  const pl_vec3 axes[2] = {a, pl_vec3_cross(direction, a)};
+  for (int k = 0; k < 2; k++) {
+    double h[2];
+    for (int end = 0; end < 2; end++)
+      h[end] = pl_ground_texture_at(
+          texture, PL_GROUND_HEIGHTS, radius_m,
+          pl_vec3_unit(pl_vec3_madd(direction, (end == 0 ? -half_m : half_m) / radius_m, axes[k])),
+          footprint_m);
+    out = pl_vec3_madd(out, (h[1] - h[0]) / (2.0 * half_m), axes[k]);
+  }
+  return out;
+}
+
+double pl_ground_texture_variance(const pl_ground_texture *texture, double footprint_m) {
+  if (texture->heights == NULL)
+    return 0.0;
+  const double texels = footprint_m / pl_ground_texture_texel_m(texture);
+  const double at = texels > 1.0 ? fmin(log2(texels), PL_GROUND_TEXTURE_LEVELS - 2.0) : 0.0;
+  const int level = (int)at;
+  return texture->slopes[level] +
+         (at - level) * (texture->slopes[level + 1] - texture->slopes[level]);
+}
+
+double pl_ground_texture_bound_m(const pl_ground_texture *texture) {
+  double low, high;
+  if (texture->heights == NULL)
+    return 0.0;
+  pl_raster_bounds(texture->heights, PL_INTERPOLATION_CUBIC, &low, &high);
+  const double mean = texture->means[PL_GROUND_HEIGHTS];
+  return WEIGHTS_MOST * fmax(high - mean, mean - low);
+}
+
+double pl_ground_texture_brightest(const pl_ground_texture *texture) {
+  double low, high;
+  if (texture->albedo == NULL)
+    return 1.0;
+  pl_raster_bounds(texture->albedo, PL_INTERPOLATION_CUBIC, &low, &high);
+  const double mean = texture->means[PL_GROUND_ALBEDO];
+  return fmax(mean + WEIGHTS_MOST * fmax(high - mean, 0.0), 1.0);
+}
+
+double pl_ground_texture_texel_m(const pl_ground_texture *texture) {
+  if (texture->heights == NULL)
+    return INFINITY;
+  return texture->size_m / (double)pl_raster_frame_of(texture->heights)->width;
+}
+
+/* Variance of slopes of the image, by differences across two cells of a level as those of
+ * pl_ground_texture_slope. */
+static double measure(const pl_ground_texture *texture, int level) {
+  enum { ROWS = 64 };
+  const double footprint_m = ldexp(pl_ground_texture_texel_m(texture), level);
+  const double wide = 0.5 * footprint_m / texture->size_m, high = wide / tall(texture->heights);
+  double sum = 0.0;
+  if (wide >= 0.25 || high >= 0.25)
+    return 0.0;
+  for (int j = 0; j < ROWS; j++)
+    for (int i = 0; i < ROWS; i++) {
+      const double x = wide + (1.0 - 2.0 * wide) * (i + 0.5) / ROWS;
+      const double y = high + (1.0 - 2.0 * high) * (j + 0.5) / ROWS;
+      const double east = value_at(texture->heights, texture->size_m, x + wide, y, footprint_m) -
+                          value_at(texture->heights, texture->size_m, x - wide, y, footprint_m);
+      const double north = value_at(texture->heights, texture->size_m, x, y + high, footprint_m) -
+                           value_at(texture->heights, texture->size_m, x, y - high, footprint_m);
+      sum += 0.5 * (east * east + north * north) / (footprint_m * footprint_m);
+    }
+  return sum / (ROWS * ROWS);
+}
+
+/* Mean of an image over all patches, with weights that fall from their middle outwards. */
+static double laid_mean(const pl_raster *raster, double size_m, double edge) {
+  enum { MIDDLES = 24, OFFSETS = 9 };
+  const double wide = edge / size_m, high = wide / tall(raster);
+  double sum = 0.0, weights = 0.0;
+  for (int k = 0; k < MIDDLES * MIDDLES; k++)
+    for (int n = 0; n < OFFSETS * OFFSETS; n++) {
+      const double dx = (n % OFFSETS) / 4.0 - 1.0, dy = (n / OFFSETS) / 4.0 - 1.0;
+      const double inside = fmax(1.0 - hypot(dx, dy), 0.0), w = inside * inside;
+      const double x = wide + (1.0 - 2.0 * wide) * (k % MIDDLES + 0.5) / MIDDLES + dx * wide;
+      const double y = high + (1.0 - 2.0 * high) * (k / MIDDLES + 0.5) / MIDDLES + dy * high;
+      if (w > 0.0)
+        sum += w * value_at(raster, size_m, x, y, 0.125 * edge);
+      weights += w;
+    }
+  return sum / weights;
+}
+
+pl_status pl_ground_texture_init(pl_ground_texture *texture, double radius_m) {
+  const pl_raster *first = first_of(texture);
+  if (first == NULL)
+    return pl_fail(PL_E_ARGUMENT, "a texture of the ground without an image");
+  if (!(texture->size_m > 0.0 && edge_m(texture) * LEAST_EDGES <= 0.5 * PL_PI * radius_m))
+    return pl_fail(PL_E_RANGE,
+                   "a texture of the ground %g m wide; must be above 0 and at most %.3g on a body "
+                   "of a radius of %g m",
+                   texture->size_m,
+                   0.5 * PL_PI * radius_m / LEAST_EDGES / EDGE / fmin(1.0, tall(first)), radius_m);
+  for (int kind = 0; kind < 3; kind++) {
+    const pl_raster *raster = raster_of(texture, (pl_ground_texture_kind)kind);
+    if (raster != NULL && fabs(tall(raster) / tall(first) - 1.0) > 0.01)
+      return pl_fail(PL_E_RANGE, "images of a texture of the ground have different shapes");
+  }
+  for (int kind = 0; kind < 3; kind++) {
+    const pl_raster *raster = raster_of(texture, (pl_ground_texture_kind)kind);
+    texture->means[kind] = raster != NULL ? laid_mean(raster, texture->size_m, edge_m(texture))
+                           : kind == PL_GROUND_HEIGHTS ? 0.0
+                                                       : 1.0;
+  }
+  double most = 0.0;
+  for (int k = PL_GROUND_TEXTURE_LEVELS - 1; k >= 0; k--) {
+    /* Filtering takes slopes away, never adds any. */
+    most = fmax(most, texture->heights != NULL ? measure(texture, k) : 0.0);
+    texture->slopes[k] = most;
+  }
+  return PL_OK;
+}

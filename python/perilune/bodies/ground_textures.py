@@ -1,0 +1,29 @@
+"""Images of textures of the ground, from files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from perilune import _core
+from perilune.bodies.elevation_files import read
+
+_RADIUS_M = 1e9
+"""Rasters of textures have no place on a body: they lie in the plane of an orthographic map."""
+
+
+def read_texture(path: Path, low: float, high: float) -> _core.Raster:
+    """Grey levels from low (black) to high (white); arrays of floats from low (0) to high (1).
+
+    Raises ValueError that names the key `file`."""
+    values = read(path, None).values
+    if values.ndim != 2 or min(values.shape) < 8:
+        raise ValueError(f"file: {path}: must be an image of grey levels of 8 by 8 or more")
+    full = 1.0 if values.dtype.kind == "f" else float(np.iinfo(values.dtype).max)
+    numbers = (low + (high - low) * (values / full)).astype(np.float32)
+    if not np.isfinite(numbers).all():
+        raise ValueError(f"file: {path}: holds numbers that are not finite")
+    return _core.Raster(
+        np.ascontiguousarray(numbers), "orthographic", 0.0, 0.0, 1.0, -1.0, radius_m=_RADIUS_M
+    )

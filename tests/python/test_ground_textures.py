@@ -1,0 +1,194 @@
+"""Textures of the ground: mean, variance, seams, repeats, footprints, and what pixels show."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from PIL import Image
+from pydantic import ValidationError
+
+import perilune
+from perilune import _core
+from perilune.bodies.ground_textures import read_texture
+from perilune.bodies.terrain import core_terrain
+from perilune.config.errors import ConfigError
+from perilune.config.terrain import Terrain
+
+RADIUS_M = 1737400.0
+RADII_M = np.full(3, RADIUS_M)
+SIZE_M = 4.0
+F64 = NDArray[np.float64]
+
+
+def sample(side: int = 128) -> NDArray[np.float32]:
+    """Smooth noise from 0 to 1, whose opposite edges do not fit."""
+    random = np.random.default_rng(5)
+    waves = np.fft.rfftfreq(side)[None, :] ** 2 + np.fft.fftfreq(side)[:, None] ** 2
+    spectrum = np.fft.rfft2(random.normal(size=(side, side))) * np.exp(-waves * 100.0)
+    noise = np.fft.irfft2(spectrum, s=(side, side)) + 2e-3 * np.arange(side)[:, None]
+    return np.asarray((noise - noise.min()) / np.ptp(noise), dtype=np.float32)
+
+
+@pytest.fixture(scope="module")
+def image(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("textures") / "sample.npy"
+    np.save(path, sample())
+    return path
+
+
+def ground(image: Path, seed: int = 0, high_m: float = 0.1) -> _core.Terrain:
+    texture = {
+        "size_m": SIZE_M,
+        "seed": seed,
+        "displacement": {"file": str(image), "high_m": high_m},
+    }
+    given = Terrain.model_validate({"detail": {"strength": 0.0}, "textures": [texture]})
+    return core_terrain(
+        given, RADII_M, [], textures=[(read_texture(image, 0.0, high_m), None, None)]
+    )
+
+
+def about(center: tuple[float, float, float], x_m: F64, y_m: F64) -> F64:
+    """Directions of places (m) in the plane about a direction."""
+    up = np.array(center) / np.linalg.norm(center)
+    east = np.cross([0.3, 0.5, 0.8], up)
+    east /= np.linalg.norm(east)
+    to = up + (x_m[:, None] * east + y_m[:, None] * np.cross(up, east)) / RADIUS_M
+    return np.asarray(to / np.linalg.norm(to, axis=1, keepdims=True))
+
+
+PLACES = ((1.0, 0.0, 0.0), (1.0, 1.0, 0.0), (1.0, -1.0, 1.0), (0.0, 0.0, -1.0), (0.3, 0.2, 0.7))
+"""Middles of faces of the cube, an edge, a corner, and elsewhere."""
+
+
+def test_mean_and_variance_are_those_of_the_image(image: Path) -> None:
+    made = ground(image)
+    random = np.random.default_rng(1)
+    for place in PLACES:
+        x, y = random.uniform(-500.0, 500.0, (2, 20000))
+        heights = made.heights(about(place, x, y))
+        spread = 0.1 * sample().std()
+        # Patches are about as wide as waves: some 250 000 of them are independent.
+        assert abs(heights.mean()) < 0.03 * spread
+        assert heights.std() == pytest.approx(spread, rel=0.12)
+        low, high = made.bounds
+        assert (heights > low).all()
+        assert (heights < high).all()
+
+
+def test_no_seams_and_no_repeats(image: Path) -> None:
+    made = ground(image)
+    for place in PLACES:
+        x = np.arange(-8.0, 8.0, 2e-3)
+        steps = np.diff(made.heights(about(place, x, 0.37 * x)))
+        slope = np.abs(steps).max() / (2e-3 * np.hypot(1.0, 0.37))
+        assert 0.02 < slope < 4.0 * 0.1 * np.abs(np.diff(sample(), axis=1)).max() / (SIZE_M / 128)
+    # Correlations at the size of the image, and at its lattice's edge, are no more than elsewhere.
+    side = np.arange(0.0, 160.0, 0.25)
+    x, y = (grid.ravel() for grid in np.meshgrid(side, side))
+    heights = made.heights(about((0.3, 0.2, 0.7), x, y)).reshape(len(side), -1)
+    power = np.abs(np.fft.fft2(heights - heights.mean())) ** 2
+    similar = np.real(np.fft.ifft2(power))[: len(side) // 2, : len(side) // 2] / power.mean()
+    near = np.hypot(*np.meshgrid(side, side))[: len(side) // 2, : len(side) // 2] < 2.0 * SIZE_M
+    assert np.abs(similar[~near] / similar[0, 0]).max() < 0.12
+
+
+def test_footprints_are_means(image: Path) -> None:
+    """Cells of a width show what a mean over as wide a square has, and wide ones nothing."""
+    made = ground(image)
+    cell = made.cell_m(made.level(0.25))
+    random = np.random.default_rng(2)
+    x, y = random.uniform(-50.0, 50.0, (2, 500))
+    offsets = (np.arange(8) + 0.5) / 8.0 - 0.5
+    square = [
+        made.heights(about((0.3, 0.2, 0.7), x + cell * a, y + cell * b))
+        for a in offsets
+        for b in offsets
+    ]
+    shown = made.heights(about((0.3, 0.2, 0.7), x, y), cell)
+    exact, alone = np.mean(square, axis=0), made.heights(about((0.3, 0.2, 0.7), x, y))
+    assert np.std(shown - exact) < 0.8 * np.std(alone - exact)
+    assert np.corrcoef(shown, exact)[0, 1] > 0.96  # the filter is somewhat wider than the cell
+    assert 0.75 < np.std(shown) / np.std(exact) < 1.02
+    assert np.abs(made.heights(about((0.3, 0.2, 0.7), x, y), 8.0)).max() == 0.0
+    assert np.abs(ground(image, seed=1).heights(about(PLACES[0], x, y)) - shown).max() > 0.0
+
+
+def scene(tmp_path: Path, cells: float, **texture: Any) -> dict[str, Any]:
+    place = {"target": "moon", "lon_deg": 10.0, "lat_deg": 20.0}
+    sun = {"azimuth_deg": 100.0, "elevation_deg": 20.0}
+    terrain = {
+        "detail": {"strength": 0.0},
+        "cells_per_pixel": cells,
+        "textures": [{"size_m": SIZE_M, **texture}],
+    }
+    return {
+        "version": 1,
+        "time": {"epoch": "2026-03-03T06:00:00Z", "step_s": 1.0},
+        "root": "moon",
+        "sun": {"at": {"lon_deg": 10.0, "lat_deg": 20.0, **sun}},
+        "bodies": {"moon": {"kind": "moon", "reflectance": "hapke", "albedo": 0.3,
+                            "terrain": terrain}},
+        "camera": {
+            "width": 40,
+            "height": 30,
+            "fov_deg": 20.0,
+            "trajectory": {"kind": "hover", **place, "height_m": 50.0},
+            "exposure": {"mode": "fixed", "white_radiance_w_m2_sr": 200.0},
+        },
+        "render": {"samples": 16, "max_bounces": 0, "channels": ["radiance"]},
+    }  # fmt: skip
+
+
+def mean(config: dict[str, Any]) -> float:
+    return float(perilune.open(config)[0]["radiance"][..., 1].mean())
+
+
+def test_brightness_does_not_depend_on_the_mesh(tmp_path: Path, image: Path) -> None:
+    """As relief, as slopes of samples, and as variance: within 2 %. Roughness and albedo act."""
+    heights = {"displacement": {"file": str(image), "high_m": 0.15}}
+    fine, coarse = (mean(scene(tmp_path, cells, **heights)) for cells in (2.0, 0.0625))
+    assert coarse == pytest.approx(fine, rel=0.02)
+    grey = tmp_path / "grey.png"
+    Image.fromarray(np.full((16, 16), 128, np.uint8)).save(grey)
+    flat = mean(scene(tmp_path, 0.25, albedo={"file": str(grey), "high": 255.0 / 128.0}))
+    dark = mean(scene(tmp_path, 0.25, albedo={"file": str(grey)}))
+    assert 0.4 < dark / flat < 0.55  # multiple scattering falls faster than the albedo
+    smooth = mean(scene(tmp_path, 0.25, roughness={"file": str(grey), "high": 0.0}))
+    assert smooth > 1.02 * flat
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"displacement": None}, "needs displacement, roughness or albedo"),
+        ({"size_m": 0.0}, "greater than 0"),
+        ({"displacement": {"file": "a.png"}}, "high_m"),
+        ({"roughness": {"file": "a.png", "high": -1.0}}, "greater than or equal to 0"),
+    ],
+)
+def test_errors(change: dict[str, Any], words: str) -> None:
+    texture = {"size_m": 2.0, "displacement": {"file": "a.png", "high_m": 0.1}, **change}
+    with pytest.raises(ValidationError, match=words):
+        Terrain.model_validate({"textures": [texture]})
+
+
+def test_errors_name_the_file(tmp_path: Path) -> None:
+    config = scene(tmp_path, 1.0, displacement={"file": "none.png", "high_m": 0.1})
+    with pytest.raises(FileNotFoundError, match=r"textures\[0\].displacement.*none.png"):
+        perilune.open(config)[0]
+    small = tmp_path / "small.npy"
+    np.save(small, np.zeros((4, 4)))
+    config = scene(tmp_path, 1.0, displacement={"file": str(small), "high_m": 0.1})
+    with pytest.raises(ConfigError, match=r"textures\[0\].displacement.file: .*small"):
+        perilune.open(config)[0]
+    with pytest.raises(ValueError, match="8 by 8"):
+        read_texture(small, 0.0, 1.0)
+    path = tmp_path / "wide.npy"
+    np.save(path, np.zeros((8, 8)))
+    with pytest.raises(ValueError, match=r"textures?.*wide"):
+        _core.Terrain(RADII_M, textures=[(read_texture(path, 0.0, 1.0), None, None, 1e6, 0)])
