@@ -15,6 +15,7 @@ import perilune
 from perilune import _core
 from perilune.bodies.ground_textures import read_texture
 from perilune.bodies.terrain import core_terrain
+from perilune.config.body import Body
 from perilune.config.errors import ConfigError
 from perilune.config.terrain import Terrain
 
@@ -192,3 +193,20 @@ def test_errors_name_the_file(tmp_path: Path) -> None:
     np.save(path, np.zeros((8, 8)))
     with pytest.raises(ValueError, match=r"textures?.*wide"):
         _core.Terrain(RADII_M, textures=[(read_texture(path, 0.0, 1.0), None, None, 1e6, 0)])
+
+
+@pytest.mark.parametrize(
+    ("body", "words"),
+    [
+        ({"reflectance": "lambert"}, r"textures\[0\].roughness.*without reflectance: hapke"),
+        ({"material": "foil"}, r"textures\[0\].albedo.*give it to 'foil'"),
+        ({"material": "foil", "terrain": {"tracks": [{
+            "lon_deg": 0.0, "lat_deg": 0.0, "waypoints_m": [[0.0, 0.0], [1.0, 0.0]],
+        }]}}, r"tracks\[0\].albedo.*must be 1"),
+    ],
+)  # fmt: skip
+def test_what_a_body_does_not_show_is_an_error(body: dict[str, Any], words: str) -> None:
+    image = {"file": "a.png"}
+    terrain = {"textures": [{"size_m": 2.0, "roughness": image, "albedo": image}]}
+    with pytest.raises(ValidationError, match=words):
+        Body.model_validate({"kind": "moon", "terrain": terrain, **body})

@@ -198,6 +198,20 @@ class Body(Strict):
         return self
 
     @model_validator(mode="after")
+    def _textures_of_terrain(self) -> Body:
+        given, why = self.terrain, f"not for a body with a material; give it to '{self.material}'"
+        for k, row in enumerate(() if given is None else given.textures):
+            key = "albedo" if row.albedo is not None else "roughness"
+            if self.material is not None and getattr(row, key) is not None:
+                fail(f"terrain.textures[{k}].{key}", why)
+            if row.roughness is not None and self.reflectance != "hapke":
+                fail(f"terrain.textures[{k}].roughness", "does nothing without reflectance: hapke")
+        for k, track in enumerate(() if given is None else given.tracks):
+            if self.material is not None and track.albedo != 1.0:
+                fail(f"terrain.tracks[{k}].albedo", f"{why}: must be 1.0")
+        return self
+
+    @model_validator(mode="after")
     def _centre_of_map(self) -> Body:
         users = ("color_map", "relief", "ocean", "night_lights", "material")
         if all(getattr(self, key) is None for key in users):
