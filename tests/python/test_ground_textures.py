@@ -198,11 +198,11 @@ def test_errors_name_the_file(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("body", "words"),
     [
-        ({"reflectance": "lambert"}, r"textures\[0\].roughness.*without reflectance: hapke"),
-        ({"material": "foil"}, r"textures\[0\].albedo.*give it to 'foil'"),
+        ({"reflectance": "lambert"}, "nothing without reflectance: hapke"),
+        ({"material": "foil"}, "give it to 'foil'"),
         ({"material": "foil", "terrain": {"tracks": [{
             "lon_deg": 0.0, "lat_deg": 0.0, "waypoints_m": [[0.0, 0.0], [1.0, 0.0]],
-        }]}}, r"tracks\[0\].albedo.*must be 1"),
+        }]}}, "must be 1"),
     ],
 )  # fmt: skip
 def test_what_a_body_does_not_show_is_an_error(body: dict[str, Any], words: str) -> None:

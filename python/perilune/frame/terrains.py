@@ -18,9 +18,9 @@ from perilune.bodies.shapes import BodyShape
 from perilune.bodies.surface_rasters import ALBEDO, MASK, ROUGHNESS, Quantity, read_surface
 from perilune.config.body import Body
 from perilune.config.elevation import Elevation, SurfaceRaster
-from perilune.config.terrain import Terrain
 from perilune.config.errors import ConfigError
 from perilune.config.ground_textures import FactorImage, HeightImage
+from perilune.config.terrain import Terrain
 from perilune.config.types import Latitudes
 from perilune.document.document import Document
 from perilune.orbits.ground import Ground
