@@ -97,6 +97,29 @@ def test_what_is_hidden_is_told() -> None:
     np.testing.assert_allclose(np.linalg.norm(rows["center_m"], axis=1), MOON_M, rtol=0.005)
 
 
+def test_arcs_are_what_is_seen_of_rims() -> None:
+    """Points of rims lie on the image of the ellipse, those in the picture where it is not cut, and
+    their shares are those of the table. A point that is hidden has something nearer before it."""
+    sim = looking(over(HEIGHT_M, 30.0))
+    rows, sample = sim.craters(0, least_px=5.0), sim.frame(0, ["range", "position"])
+    np.testing.assert_allclose(rows["rim_inside"].mean(axis=1), rows["inside_fract"])
+    np.testing.assert_allclose(rows["rim_visib"].mean(axis=1), rows["visib_fract"])
+    assert not (rows["rim_visib"] & ~rows["rim_inside"]).any()
+    u, v = rows["rim_px"][..., 0], rows["rim_px"][..., 1]
+    within = (u >= -0.5) & (u < 127.5) & (v >= -0.5) & (v < 95.5)
+    np.testing.assert_array_equal(rows["rim_inside"], within)
+    assert (rows["rim_inside"].any(axis=1) & ~rows["rim_inside"].all(axis=1)).any()
+    whole = np.isfinite(rows["semi_axes"]).all(axis=1)
+    off = rows["rim_px"][whole] - rows["center"][whole, None]
+    cos, sin = np.cos(rows["angle_rad"][whole]), np.sin(rows["angle_rad"][whole])
+    x = off[..., 0] * cos[:, None] + off[..., 1] * sin[:, None]
+    y = off[..., 1] * cos[:, None] - off[..., 0] * sin[:, None]
+    axes = rows["semi_axes"][whole]
+    assert np.median(np.abs(np.hypot(x / axes[:, :1], y / axes[:, 1:]) - 1.0)) < 0.05
+    shown = np.rint(np.stack([v, u], axis=-1))[rows["rim_visib"]].astype(int)
+    assert np.isfinite(sample["range"][np.clip(shown[:, 0], 0, 95), shown[:, 1]]).mean() > 0.97
+
+
 def test_a_spacecraft_hides_them(repo_dir: Path) -> None:
     """Where the picture shows it in place of the middle of a crater, that is not seen."""
     plain = looking(over(HEIGHT_M))

@@ -17,6 +17,8 @@ from perilune.world import World
 F64 = NDArray[np.float64]
 Array = NDArray[np.void]
 
+_RIM_POINTS = 24
+
 CRATER_LABEL = np.dtype(
     [
         ("id", "i8"),
@@ -36,6 +38,9 @@ CRATER_LABEL = np.dtype(
         ("visib_fract", "f8"),
         ("center_visible", "?"),
         ("cut", "?"),
+        ("rim_px", "f4", (_RIM_POINTS, 2)),
+        ("rim_inside", "?", _RIM_POINTS),
+        ("rim_visib", "?", _RIM_POINTS),
         ("bbox_visib", "i4", 4),
         ("px_count_visib", "i4"),
     ]
@@ -43,7 +48,6 @@ CRATER_LABEL = np.dtype(
 """A row of `Simulation.craters`; docs/craters.md explains the fields."""
 
 _KNOWN = np.dtype([("id", "i8"), *(row for row in _core.CRATER if row[0] != "id")])
-_RIM_POINTS = 24
 _CELLS = 8.0  # of the ground on which rims are laid, along the least diameter of an octave
 _NEAR_M = 1e-3
 _HIDDEN = 0.05  # of a diameter: what is no farther behind the picture's surface is seen
@@ -303,6 +307,9 @@ def _set_visible(rows: Array, points: F64, middle: F64, camera: CameraLabel, ran
     inside, seen = _seen(rows, points, camera, range_m)
     rows["inside_fract"], rows["visib_fract"] = inside.mean(axis=1), seen.mean(axis=1)
     rows["cut"] = ~inside.all(axis=1)
+    rows["rim_px"] = camera_pixels(camera, points)
+    rows["rim_px"][points[..., 2] < _NEAR_M] = np.nan
+    rows["rim_inside"], rows["rim_visib"] = inside, seen
     rows["center_visible"] = _seen(rows, middle[:, None, :], camera, range_m)[1][:, 0]
 
 
