@@ -261,8 +261,8 @@ def test_a_crater_seen_from_orbit_is_in_a_rovers_frame(at_rim: float) -> None:
 
 @pytest.mark.parametrize("inside", [True, False])
 def test_a_crater_larger_than_a_patch(inside: bool, tmp_path: Path) -> None:
-    """With its centre in a patch of an elevation model it is the model's, and is neither drawn nor
-    listed; else it is as without, but within the patch. The frame has no holes."""
+    """It is listed and drawn around the patch of an elevation model, be it in its middle or on its
+    wall, and nothing of it is left on the patch. The frame has no holes."""
     craters = ROUND | {"min_diameter_m": 200.0, "max_diameter_m": 4e3}
     rows = ground(over(20e3), {"craters": craters}, 64).craters(0, least_px=3.0)
     row = rows[rows["inside_fract"] == 1.0][0]
@@ -278,11 +278,13 @@ def test_a_crater_larger_than_a_patch(inside: bool, tmp_path: Path) -> None:
     sample = sim.frame(0, ["radiance", "range"])
     assert (sample["range"] > 0.0).all()
     assert np.isfinite(sample["radiance"]).all()
-    listed = sim.terrain(0).craters(up, 100.0)["id"]
-    assert (row["id"] in listed.tolist()) == (not inside)
+    listed = sim.terrain(0).craters(up, 100.0)
+    (found,) = listed[listed["id"] == row["id"]]
+    assert (found["kept"] == 0.0) == inside  # of the height at its centre
+    assert sim.terrain(0).heights(np.atleast_2d(at / np.linalg.norm(at)))[0] == -1000.0
     rim = up + radius * np.stack([-major, np.cross(up, major), -np.cross(up, major)])
     plain = ground(view, {"craters": craters}).terrain(0).heights(rim)
     bare = ground(view, {}).terrain(0).heights(rim)
     assert (plain > bare + 10.0).all()
     drawn = sim.terrain(0).heights(rim)
-    np.testing.assert_allclose(drawn, bare if inside else plain, atol=5.0)
+    np.testing.assert_allclose(drawn, plain, atol=5.0)
