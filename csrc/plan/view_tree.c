@@ -132,6 +132,12 @@ static double light_of(const pl_view_thing *source, const void *context) {
   return source->sent_gain > 0.0 ? fmin(most, sent + source->emission_max) : most;
 }
 
+static double one(const pl_view_thing *source, const void *context) {
+  (void)source;
+  (void)context;
+  return 1.0;
+}
+
 pl_status pl_view_tree_build(pl_arena *arena, pl_view *view) {
   const size_t count = view->thing_count;
   view->tree = NULL;
@@ -142,6 +148,13 @@ pl_status pl_view_tree_build(pl_arena *arena, pl_view *view) {
   if (tree == NULL || nodes == NULL)
     return pl_fail(PL_E_MEMORY, "out of memory for the view");
   *tree = (pl_view_tree){.nodes = nodes};
+  for (int k = 0; k < PL_VIEW_KEPT_COUNT; k++) {
+    tree->kept[k] = pl_arena_alloc(arena, count, sizeof *tree->kept[k]);
+    if (tree->kept[k] == NULL)
+      return pl_fail(PL_E_MEMORY, "out of memory for the view");
+    for (size_t i = 0; i < count; i++)
+      tree->kept[k][i] = NAN;
+  }
   pl_view_node *leaves = nodes + 2 * count; /* a tree has fewer inner nodes than leaves */
   for (size_t i = 0; i < count; i++) {
     leaves[i] = leaf_of(view, i);
@@ -154,6 +167,10 @@ pl_status pl_view_tree_build(pl_arena *arena, pl_view *view) {
   for (size_t n = 0; n < tree->count; n++)
     nodes[n].light = nodes[n].weighed;
   tree->first_light = tree->first_weighed;
+  pl_view_weigh(view, one, NULL);
+  for (size_t n = 0; n < tree->count; n++)
+    nodes[n].squares = nodes[n].weighed;
+  tree->first_square = tree->first_weighed;
   return PL_OK;
 }
 
@@ -165,26 +182,36 @@ static double gap_m(const pl_view_thing *receiver, const pl_view_node *node) {
   return sqrt(square) - receiver->radius_m - node->ball.radius_m;
 }
 
+/* What is summed: light, 1, or the present weights. */
+typedef struct summand {
+  double (*of_node)(const pl_view_node *node);
+  pl_view_weight_fn weight; /* NULL: pl_view_light_at */
+  const void *context;
+  size_t first; /* leaf that comes first */
+} summand;
+
+static double node_light(const pl_view_node *node) { return node->light; }
+static double node_squares(const pl_view_node *node) { return node->squares; }
+static double node_weighed(const pl_view_node *node) { return node->weighed; }
+
 /* The part of one source in a sum. */
 static double part_of(const pl_view *view, const pl_view_thing *receiver,
-                      const pl_view_thing *source, bool light, pl_view_weight_fn weight,
-                      const void *context) {
+                      const pl_view_thing *source, const summand *what) {
   if (source == receiver)
     return 0.0;
-  return pl_view_transfer(receiver, source) *
-         (light ? pl_view_light_at(view, receiver, source) : weight(source, context));
+  return pl_view_transfer(receiver, source) * (what->weight == NULL
+                                                   ? pl_view_light_at(view, receiver, source)
+                                                   : what->weight(source, what->context));
 }
 
-static double sum_of(const pl_view *view, const pl_view_thing *receiver, bool light,
-                     pl_view_weight_fn weight, const void *context) {
-  const pl_view_tree *tree = view->tree;
-  const size_t first = light ? tree->first_light : tree->first_weighed;
-  double sum =
-      part_of(view, receiver, &view->things[tree->nodes[first].thing], light, weight, context);
+static double sum_of(const pl_view *view, const pl_view_thing *receiver, const summand *what) {
+  pl_view_tree *tree = view->tree;
+  double sum = part_of(view, receiver, &view->things[tree->nodes[what->first].thing], what);
   for (size_t n = 0; n < tree->count;) {
     const pl_view_node *node = &tree->nodes[n];
-    const double weighed = light ? node->light : node->weighed;
-    if (!(weighed > 0.0) || n == first) {
+    const double weighed = what->of_node(node);
+    tree->steps++;
+    if (!(weighed > 0.0) || n == what->first) {
       n = node->after;
       continue;
     }
@@ -196,10 +223,22 @@ static double sum_of(const pl_view *view, const pl_view_thing *receiver, bool li
     if (far)
       sum += most;
     else if (one)
-      sum += part_of(view, receiver, &view->things[node->thing], light, weight, context);
+      sum += part_of(view, receiver, &view->things[node->thing], what);
     n = far ? node->after : n + 1;
   }
   return sum;
+}
+
+/* The sum for a receiver, which is kept if it is one of the view's. */
+static double kept_sum(const pl_view *view, const pl_view_thing *receiver, const summand *what,
+                       pl_view_kept kind) {
+  const bool own = receiver >= view->things && receiver < view->things + view->thing_count;
+  if (!own)
+    return sum_of(view, receiver, what);
+  double *kept = &view->tree->kept[kind][receiver - view->things];
+  if (isnan(*kept))
+    *kept = sum_of(view, receiver, what);
+  return *kept;
 }
 
 /* For few objects: sums over every pair. */
@@ -223,22 +262,35 @@ static double sum_pairs(const pl_view *view, const pl_view_thing *receiver) {
 
 double pl_view_sum(const pl_view *view, const pl_view_thing *receiver, pl_view_weight_fn weight,
                    const void *context) {
-  return view->tree != NULL ? sum_of(view, receiver, false, weight, context)
-                            : sum_all(view, receiver, weight, context);
+  if (view->tree == NULL)
+    return sum_all(view, receiver, weight, context);
+  const summand what = {node_weighed, weight, context, view->tree->first_weighed};
+  return sum_of(view, receiver, &what);
 }
 
 double pl_view_sum_light(const pl_view *view, const pl_view_thing *receiver) {
-  return view->tree != NULL ? sum_of(view, receiver, true, NULL, NULL) : sum_pairs(view, receiver);
+  if (view->tree == NULL)
+    return sum_pairs(view, receiver);
+  const summand what = {node_light, NULL, NULL, view->tree->first_light};
+  return kept_sum(view, receiver, &what, PL_VIEW_KEPT_LIGHT);
+}
+
+double pl_view_sum_sky(const pl_view *view, const pl_view_thing *receiver) {
+  if (view->tree == NULL)
+    return sum_all(view, receiver, one, NULL);
+  const summand what = {node_squares, one, NULL, view->tree->first_square};
+  return kept_sum(view, receiver, &what, PL_VIEW_KEPT_SKY);
 }
 
 bool pl_view_any(const pl_view *view, pl_view_test_fn test, void *context) {
-  const pl_view_tree *tree = view->tree;
+  pl_view_tree *tree = view->tree;
   for (size_t k = 0; tree == NULL && k < view->thing_count; k++)
     if (test(&view->things[k], false, context))
       return true;
   for (size_t n = 0; tree != NULL && n < tree->count;) {
     const pl_view_node *node = &tree->nodes[n];
     const bool several = node->thing == PL_VIEW_SEVERAL;
+    tree->steps++;
     const bool holds = test(several ? &node->ball : &view->things[node->thing], several, context);
     if (holds && !several)
       return true;

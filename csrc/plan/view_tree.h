@@ -14,16 +14,27 @@ typedef struct pl_view_node {
   size_t thing;       /* index of the object or body; PL_VIEW_SEVERAL for an inner node */
   double light;       /* sum over the members of squared radius times light from afar */
   double weighed;     /* the same with the weights of pl_view_weigh */
+  double squares;     /* the same with weights of 1 */
 } pl_view_node;
 #define PL_VIEW_SEVERAL ((size_t)-1)
+
+/* Sums that several rows ask for, by receiver; NAN before the first time. */
+typedef enum pl_view_kept {
+  PL_VIEW_KEPT_LIGHT, /* pl_view_sum_light */
+  PL_VIEW_KEPT_SKY,   /* pl_view_sum_sky */
+  PL_VIEW_KEPT_COUNT
+} pl_view_kept;
 
 struct pl_view_tree {
   size_t count;
   pl_view_node *nodes; /* each node is followed by its descendants */
-  bool ringed;         /* something has rings */
-  double albedo_max;   /* of all objects and bodies, at most 1 */
-  /* indices of the leaves with the largest `light` and `weighed`, whose parts come first in sums */
-  size_t first_light, first_weighed;
+  double *kept[PL_VIEW_KEPT_COUNT];
+  size_t steps;      /* nodes visited so far, which tests count */
+  bool ringed;       /* something has rings */
+  double albedo_max; /* of all objects and bodies, at most 1 */
+  /* indices of the leaves with the largest `light`, `weighed` and `squares`, whose parts come first
+   * in sums */
+  size_t first_light, first_weighed, first_square;
 };
 
 /* Builds the tree of a view of more than PL_VIEW_FEW objects and bodies in `arena`. Smaller views
@@ -45,6 +56,9 @@ double pl_view_sum(const pl_view *view, const pl_view_thing *receiver, pl_view_w
                    const void *context);
 /* The same with pl_view_light_at as the weight; needs no call of pl_view_weigh. */
 double pl_view_sum_light(const pl_view *view, const pl_view_thing *receiver);
+/* The same with weights of 1: the part of its sky that others fill, times its albedo. Both take
+ * time for a receiver of the view only once, if there is a tree. */
+double pl_view_sum_sky(const pl_view *view, const pl_view_thing *receiver);
 
 /* Returns true if a test holds for any object or body. With a tree the test is first called for
  * inner nodes (`several`), which have the extreme values of their members: it must hold there if it

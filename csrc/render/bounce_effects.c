@@ -21,18 +21,12 @@ static const char *absent(const pl_view *view) {
 
 static int ceiling(const pl_view *view) { return view->max_bounces > 0 ? view->max_bounces : 1; }
 
-static double whole(const pl_view_thing *source, const void *context) {
-  (void)source;
-  (void)context;
-  return 1.0;
-}
-
 /* Upper bound of the part of a thing's sky that is filled by other things, or by itself, times its
  * albedo. */
 static double return_of(const pl_view *view, const pl_view_thing *thing) {
   if (!thing->is_body)
     return fmin(thing->albedo_max, 1.0); /* its sky may be filled by itself */
-  double sum = pl_view_sum(view, thing, whole, NULL);
+  double sum = pl_view_sum_sky(view, thing);
   for (size_t k = 0; (view->tree == NULL || view->tree->ringed) && k < view->thing_count; k++) {
     const pl_view_thing rings = pl_view_rings(&view->things[k]);
     if (&view->things[k] != thing && rings.radius_m > 0.0)
@@ -46,7 +40,6 @@ static double return_of(const pl_view *view, const pl_view_thing *thing) {
  * `body_bounces`. */
 static double bound_dn(const pl_view *view, int value) {
   double largest = 0.0, light = 0.0, radiance = 0.0, volumes = 0.0;
-  pl_view_weigh(view, whole, NULL);
   for (size_t i = 0; i < view->thing_count; i++) {
     largest = fmax(largest, return_of(view, &view->things[i]));
     volumes = fmax(volumes, pl_view_from_volumes(view, &view->things[i]));
