@@ -367,6 +367,12 @@ static bool may_hide(const pl_path_context *context, const pl_shot_body *body,
   return point->t > pl_vec3_norm(body->center) - body->radius_m;
 }
 
+/* Range of a tile's pixels along an axis that lie nearer than `reach` to `at`. */
+static void reached(double at, double reach, int first, int count, int range[2]) {
+  range[0] = (int)fmax(0.0, fmin(count, floor(at - reach) - first));
+  range[1] = (int)fmax(0.0, fmin(count, ceil(at + reach) + 1.0 - first));
+}
+
 /* Marks the pixels in which a narrow body may be in front of what their centres hit. */
 static void find_narrow(const pl_path_context *context, pl_tile_buffers *b) {
   const pl_snapshot *shot = context->shot;
@@ -379,8 +385,11 @@ static void find_narrow(const pl_path_context *context, pl_tile_buffers *b) {
     if (!is_narrow(body, pixel_m) || !pl_camera_project(&shot->camera, seen, at))
       continue;
     const double reach = fmax(0.5 * NARROW_PX, body->radius_m / pixel_m) + 1.0;
-    for (int y = 0; y < context->tile.height; y++)
-      for (int x = 0; x < context->tile.width; x++) {
+    int xs[2], ys[2];
+    reached(at[0], reach, context->tile.x0, context->tile.width, xs);
+    reached(at[1], reach, context->tile.y0, context->tile.height, ys);
+    for (int y = ys[0]; y < ys[1]; y++)
+      for (int x = xs[0]; x < xs[1]; x++) {
         const int pixel = y * PL_TILE_SIDE + x;
         const double off_x = context->tile.x0 + x - at[0], off_y = context->tile.y0 + y - at[1];
         if (fabs(off_x) < reach && fabs(off_y) < reach &&
