@@ -2,7 +2,7 @@
 #include "render/geometry.h"
 
 const pl_geometry_kind *const pl_geometry_kinds[PL_SURFACE_KINDS] = {
-#define PL_KIND(NAME, name) [PL_SURFACE_##NAME] = &pl_geometry_##name,
+#define PL_KIND(NAME, name, replaces) [PL_SURFACE_##NAME] = &pl_geometry_##name,
     PL_SURFACE_KIND_LIST(PL_KIND)
 #undef PL_KIND
 };

@@ -59,7 +59,7 @@ typedef struct pl_geometry_kind {
   void (*label)(const pl_snapshot *shot, pl_surface_id id, pl_geometry_label *out);
 } pl_geometry_kind;
 
-#define PL_KIND(NAME, name) extern const pl_geometry_kind pl_geometry_##name;
+#define PL_KIND(NAME, name, replaces) extern const pl_geometry_kind pl_geometry_##name;
 PL_SURFACE_KIND_LIST(PL_KIND)
 #undef PL_KIND
 extern const pl_geometry_kind *const pl_geometry_kinds[PL_SURFACE_KINDS];

@@ -37,7 +37,8 @@ bool pl_vertex_meet_bodies(const pl_snapshot *shot, const pl_beam *beam, pl_vert
   for (size_t i = 0; i < shot->body_count; i++) {
     const pl_shot_body *body = &shot->bodies[i];
     double t;
-    if (body->has_terrain || !meet_body(body, beam, &t) || !(t < nearest))
+    if (pl_shot_kind_of(body) != PL_SURFACE_ELLIPSOID || !meet_body(body, beam, &t) ||
+        !(t < nearest))
       continue;
     nearest = t;
     out->surface_id = pl_surface_of_body(i);

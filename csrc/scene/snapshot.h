@@ -79,15 +79,26 @@ typedef struct pl_shot_body {
   const pl_view_lods *lods;
 } pl_shot_body;
 
-/* Whether rays meet the ellipsoid itself: neither a shape nor terrain replaces it. */
+/* The kind of the surface that rays meet on a body without a shape. */
+static inline pl_surface_kind pl_shot_kind_of(const pl_shot_body *body) {
+  pl_surface_kind kind = PL_SURFACE_ELLIPSOID;
+#define PL_KIND(NAME, name, replaces)                                                              \
+  if (replaces)                                                                                    \
+    kind = PL_SURFACE_##NAME;
+  PL_SURFACE_KIND_LIST(PL_KIND)
+#undef PL_KIND
+  return kind;
+}
+
+/* Whether rays meet the ellipsoid itself: neither a shape nor another kind of surface replaces it.
+ */
 static inline bool pl_shot_is_smooth(const pl_shot_body *body) {
-  return body->shape == NULL && !body->has_terrain;
+  return body->shape == NULL && pl_shot_kind_of(body) == PL_SURFACE_ELLIPSOID;
 }
 
 /* Returns the id of the surface that rays meet on body `index`, which has no shape. */
 static inline pl_surface_id pl_shot_surface_of(const pl_shot_body *body, size_t index) {
-  return body->has_terrain ? pl_surface_make(PL_SURFACE_HEIGHT_FIELD, index)
-                           : pl_surface_of_body(index);
+  return pl_surface_make(pl_shot_kind_of(body), index);
 }
 
 typedef struct pl_shot_volume {

@@ -9,18 +9,19 @@
 
 /* Kinds of geometry: those with a mesh, whose index is that of an object, come first; the index of
  * others is that of a body. To add a kind, add the file that defines its row, `pl_geometry_NAME`
- * (render/geometry.h), and one line here. */
+ * (render/geometry.h), and one line here: its names, and when it replaces the ellipsoid of a `body`
+ * (a pl_shot_body); of several the last does. */
 /* clang-format off */
 #define PL_SURFACE_KIND_LIST(X) \
-  X(MESH, mesh) \
-  X(SHAPE, shape)               /* mesh of a body's shape */ \
-  X(ELLIPSOID, ellipsoid) \
-  X(HEIGHT_FIELD, height_field) /* terrain of a body */ \
-  X(ROCKS, rocks)               /* rocks on the terrain of a body */
+  X(MESH, mesh, false) \
+  X(SHAPE, shape, false)                           /* mesh of a body's shape */ \
+  X(ELLIPSOID, ellipsoid, true) \
+  X(HEIGHT_FIELD, height_field, body->has_terrain) /* terrain of a body */ \
+  X(ROCKS, rocks, false)                           /* rocks on the terrain of a body */
 /* clang-format on */
 
 typedef enum pl_surface_kind {
-#define PL_KIND(NAME, name) PL_SURFACE_##NAME,
+#define PL_KIND(NAME, name, replaces) PL_SURFACE_##NAME,
   PL_SURFACE_KIND_LIST(PL_KIND)
 #undef PL_KIND
       PL_SURFACE_KINDS
