@@ -6,8 +6,8 @@ static pl_status make_frame(pl_renderer *renderer, const pl_frame_request *reque
                             const pl_other_frame *other, const pl_choice *choice, bool rolls,
                             const pl_sight_frame **out) {
   pl_choice labels = pl_choice_of_labels(choice);
-  labels.far_casters = false; /* nothing is lit */
-  labels.culls = false;       /* what is hidden there is looked for */
+  labels.settings.effects.far_casters = 0; /* nothing is lit */
+  labels.culls = false;                    /* what is hidden there is looked for */
   pl_arena *arena = &renderer->arena;
   pl_survey survey;
   const pl_instant *instant;

@@ -74,7 +74,7 @@ static pl_status place(pl_accelerators *kept, const pl_snapshot *shot, const pl_
   }
   pl_ground_tile_view view = view_of(shot, body, &choice->looks);
   view.finest_level = choice->terrain_levels;
-  view.far_casters = choice->far_casters;
+  view.far_casters = choice->settings.effects.far_casters > 0;
   view.rays = choice->albedo || (choice->colour && choice->settings.detail.rays);
   return pl_height_field_build(kept, body->body->terrain, &view, choice->threads, choice->cancel,
                                arena, &body->field);

@@ -24,10 +24,8 @@ static pl_render_settings settings_of(const pl_frame_request *request,
       .frame = request->index,
       .samples = samples > 0 ? samples : 1,
       .bounces = pl_plan_value(plan, &pl_effect_bounces),
-#define PL_SET(name) .name = pl_plan_value(plan, &pl_effect_##name) > 0,
-      PL_PATH_SWITCHES(PL_SET)
-#undef PL_SET
-          .detail = pl_plan_detail(plan),
+      .effects = pl_plan_values(plan),
+      .detail = pl_plan_detail(plan),
       .shadow_mask = needs & PL_POINTS_SHADOWS,
       .shadow_cause = needs & PL_POINTS_SHADOW_CAUSES,
       .exact = exact,
@@ -62,20 +60,10 @@ pl_choice pl_choice_of_plan(const pl_frame_request *request, const pl_frame_resu
       .threads = request->threads,
       .cancel = request->cancel,
       .tolerance_dn = request->wish.tolerance_dn,
-      .distortion = pl_plan_value(plan, &pl_effect_distortion) > 0,
-      .depth_of_field = pl_plan_value(plan, &pl_effect_depth_of_field) > 0,
       .terrain_levels = terrain_levels(plan),
-      .far_casters = pl_plan_value(plan, &pl_effect_far_casters) > 0,
       .albedo = (pl_channels_need(request->channels) & PL_POINTS_ALBEDO) != 0,
       .colour = true,
       .subpixel = true,
-      .emitters = pl_plan_value(plan, &pl_effect_emitters),
-      .air_steps = pl_plan_value(plan, &pl_effect_atmosphere),
-      .skylight = pl_plan_value(plan, &pl_effect_skylight) > 0,
-      .multiple_scattering = pl_plan_value(plan, &pl_effect_multiple_scattering) > 0,
-      .planetshine = pl_plan_value(plan, &pl_effect_planetshine) > 0,
-      .caustics = pl_plan_value(plan, &pl_effect_caustics) > 0,
-      .limb_darkening = pl_plan_value(plan, &pl_effect_limb_darkening) > 0,
   };
   for (size_t k = 0; k < pl_medium_kind_count; k++)
     out.media[k] = pl_plan_value(plan, pl_medium_kinds[k]->effect);
@@ -97,8 +85,8 @@ pl_choice pl_choice_of_metering(const pl_frame_request *request, const pl_plan *
   out.settings.shadow_mask = out.settings.shadow_cause = false;
   out.tolerance_dn = 0.0;
   out.subpixel = out.albedo = false;
-  out.emitters = at_most(out.emitters, METER_EMITTERS);
-  out.air_steps = at_most(out.air_steps, METER_AIR_STEPS);
+  out.settings.effects.emitters = at_most(out.settings.effects.emitters, METER_EMITTERS);
+  out.settings.effects.atmosphere = at_most(out.settings.effects.atmosphere, METER_AIR_STEPS);
   for (size_t k = 0; k < pl_medium_kind_count; k++)
     out.media[k] = at_most(out.media[k], METER_MEDIA);
   return out;
@@ -108,9 +96,9 @@ pl_choice pl_choice_of_metering(const pl_frame_request *request, const pl_plan *
 
 /* Takes away what the choice leaves out of a camera. */
 static void strip_camera(const pl_choice *choice, pl_camera *camera) {
-  if (!choice->distortion)
+  if (!choice->settings.effects.distortion)
     camera->lens = (pl_lens){0};
-  if (!choice->depth_of_field)
+  if (!choice->settings.effects.depth_of_field)
     camera->aperture_m = 0.0;
 }
 
@@ -126,11 +114,11 @@ static pl_status cull(const pl_survey *survey, const pl_choice *choice, pl_arena
 }
 
 static pl_status add_air(const pl_choice *choice, pl_arena *arena, pl_instant *out) {
-  if (choice->air_steps == 0)
+  if (choice->settings.effects.atmosphere == 0)
     return PL_OK;
-  PL_TRY(pl_air_view_build(&out->shot, choice->air_steps, arena, &out->air));
-  out->air.skylight = choice->skylight;
-  out->air.multiple = choice->multiple_scattering;
+  PL_TRY(pl_air_view_build(&out->shot, choice->settings.effects.atmosphere, arena, &out->air));
+  out->air.skylight = choice->settings.effects.skylight > 0;
+  out->air.multiple = choice->settings.effects.multiple_scattering > 0;
   out->settings.air = out->air.count > 0 ? &out->air : NULL;
   return PL_OK;
 }
@@ -138,22 +126,23 @@ static pl_status add_air(const pl_choice *choice, pl_arena *arena, pl_instant *o
 static pl_status add_media(const pl_choice *choice, pl_arena *arena, pl_instant *out) {
   bool any;
   PL_TRY(pl_media_build(&out->shot, choice->media, out->settings.air, arena, &out->media, &any));
-  out->media.emission = choice->settings.emission;
+  out->media.emission = choice->settings.effects.emission > 0;
   out->settings.media = any ? &out->media : NULL;
   return PL_OK;
 }
 
 static pl_status add_emitters(const pl_choice *choice, pl_arena *arena, pl_instant *out) {
-  if (choice->emitters == 0)
+  if (choice->settings.effects.emitters == 0)
     return PL_OK;
   PL_TRY(pl_emitters_build(&out->shot, out->settings.detail, arena, &out->emitters));
   out->settings.emitters = out->emitters.count > 0 ? &out->emitters : NULL;
-  out->settings.emitters_on_bodies = out->emitters.count > 0 && choice->emitters > 1;
+  out->settings.emitters_on_bodies =
+      out->emitters.count > 0 && choice->settings.effects.emitters > 1;
   return PL_OK;
 }
 
 static pl_status add_planetshine(const pl_choice *choice, pl_arena *arena, pl_instant *out) {
-  if (!choice->planetshine || out->shot.body_count == 0)
+  if (!choice->settings.effects.planetshine || out->shot.body_count == 0)
     return PL_OK;
   PL_TRY(pl_planetshine_build(&out->shot, &out->settings, arena, &out->shine));
   out->settings.shine = out->shine.any ? &out->shine : NULL;
@@ -161,7 +150,7 @@ static pl_status add_planetshine(const pl_choice *choice, pl_arena *arena, pl_in
 }
 
 static void add_caustics(const pl_choice *choice, pl_instant *out) {
-  if (!choice->caustics || choice->settings.bounces == 0)
+  if (!choice->settings.effects.caustics || choice->settings.bounces == 0)
     return;
   pl_caustics_build(&out->shot, out->tracer, out->settings.detail, &out->caustics);
   out->settings.caustics = out->caustics.count > 0 ? &out->caustics : NULL;
@@ -170,7 +159,8 @@ static void add_caustics(const pl_choice *choice, pl_instant *out) {
 /* Limb darkening also counts where the disc itself is in the frame, even if nothing is lit by it.
  */
 static void add_limb(const pl_choice *choice, pl_instant *out) {
-  if (!choice->limb_darkening || !(choice->settings.soft_sun || out->shot.sun.in_frame))
+  if (!choice->settings.effects.limb_darkening ||
+      !(choice->settings.effects.soft_sun || out->shot.sun.in_frame))
     return;
   out->limb = pl_limb_make(out->shot.sun.wavelengths_um);
   out->settings.limb = &out->limb;

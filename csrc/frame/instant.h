@@ -15,20 +15,17 @@ typedef struct pl_looks {
 
 /* Settings for making an instant from a survey: derived from a frame's plan, or fixed. */
 typedef struct pl_choice {
-  pl_render_settings settings; /* without the borrowed pointers */
+  pl_render_settings settings; /* with the plan's effects, without the borrowed pointers */
   bool culls;                  /* leave out what changes no pixel by more than tolerance_dn */
   double tolerance_dn;
-  int threads;       /* that build height fields; the result is the same for any number */
-  pl_cancel *cancel; /* borrowed; may be NULL */
-  bool distortion, depth_of_field;
+  int threads;        /* that build height fields; the result is the same for any number */
+  pl_cancel *cancel;  /* borrowed; may be NULL */
   pl_looks looks;     /* all zero: rays are those of pixels */
   int terrain_levels; /* up to which meshes of terrain are refined; 0: ellipsoids */
-  bool far_casters;
-  bool albedo;   /* labels show the ground's albedo */
-  bool colour;   /* false: labels only, and the fields below are ignored */
-  bool subpixel; /* render sub-pixel bodies in images of their own, see subpixel_bodies.h */
-  int emitters, air_steps, media[PL_MEDIUM_KINDS_MAX]; /* values of the rows of these effects */
-  bool skylight, multiple_scattering, planetshine, caustics, limb_darkening;
+  bool albedo;        /* labels show the ground's albedo */
+  bool colour;        /* false: labels only, and the fields below are ignored */
+  bool subpixel;      /* render sub-pixel bodies in images of their own, see subpixel_bodies.h */
+  int media[PL_MEDIUM_KINDS_MAX]; /* values of the rows of their effects */
 } pl_choice;
 
 /* Returns the choice that a frame's plan makes. */

@@ -53,11 +53,10 @@ static pl_status measure(const pl_survey *survey, pl_accelerators *kept, pl_cove
   rays second = {pl_arena_alloc(arena, pixels, sizeof(pl_ray)), 0};
   if (first.items == NULL || second.items == NULL)
     return pl_fail(PL_E_MEMORY, "out of memory for rays");
-  const pl_choice choice = {.terrain_levels = PL_CUBE_LEVELS,
-                            .far_casters = true,
-                            .threads = 1,
-                            .distortion = true,
-                            .depth_of_field = true};
+  const pl_choice choice = {
+      .terrain_levels = PL_CUBE_LEVELS,
+      .threads = 1,
+      .settings.effects = {.far_casters = 1, .distortion = 1, .depth_of_field = 1}};
   const pl_instant *instant;
   PL_TRY(pl_realise(kept, survey, &choice, arena, &instant));
   const pl_snapshot *shot = &instant->shot;

@@ -350,7 +350,7 @@ static pl_status realise(pl_renderer *renderer, pl_scan_job *job) {
   const pl_frame_request *request = job->request;
   const pl_placement *placement = &request->placement;
   pl_choice choice = {
-      .distortion = true,
+      .settings.effects = {.distortion = 1},
       .terrain_levels = PL_CUBE_LEVELS,
       .threads = request->threads,
       .cancel = request->cancel,

@@ -60,19 +60,16 @@
   X(compression)
 /* clang-format on */
 
-/* Effects of paths that are on or off: each has a field of its name in pl_render_settings, which is
- * set from the plan. To make such an effect act, add one line here and read the field. */
-#define PL_PATH_SWITCHES(X)                                                                        \
-  X(soft_sun)                                                                                      \
-  X(cast_shadows)                                                                                  \
-  X(emission)     /* is visible to the camera */                                                   \
-  X(planetshine)  /* light that bodies reflect reaches other things */                             \
-  X(body_bounces) /* paths continue from bodies */                                                 \
-  X(clear_coat)                                                                                    \
-  X(transmission)
-
 #define PL_DECLARE(name) extern const pl_effect pl_effect_##name;
 PL_EFFECTS(PL_DECLARE)
 #undef PL_DECLARE
+
+/* The value of each effect in a plan; 0: it is off. Code that acts on an effect reads its field, in
+ * pl_render_settings. */
+typedef struct pl_effect_values {
+#define PL_FIELD(name) int name;
+  PL_EFFECTS(PL_FIELD)
+#undef PL_FIELD
+} pl_effect_values;
 
 #endif

@@ -84,7 +84,7 @@ static void shade_miss(const pl_path_context *context, int bounce, const pl_path
                        pl_tile_buffers *b) {
   if (bounce == 0 && context->settings->backdrop != NULL)
     add(&b->sample[path->pixel], pl_vec3f_mul(path->throughput, b->backdrop[path->pixel]));
-  if (!context->settings->soft_sun && !isinf(path->pdf))
+  if (!context->settings->effects.soft_sun && !isinf(path->pdf))
     return; /* a point sun is never hit by chance */
   if (!near_sun(context, path))
     return;
@@ -100,7 +100,7 @@ static void shade_miss(const pl_path_context *context, int bounce, const pl_path
 
 /* Whether shadow rays are needed from a vertex. */
 static bool shadows_at(const pl_path_context *context, const pl_vertex *vertex) {
-  if (!context->settings->cast_shadows)
+  if (!context->settings->effects.cast_shadows)
     return false;
   return !pl_surface_is_ellipsoid(vertex->surface_id) ||
          pl_shot_body_of(context->shot, vertex->surface_id)->shadowed;
@@ -108,7 +108,7 @@ static bool shadows_at(const pl_path_context *context, const pl_vertex *vertex) 
 
 /* Whether every shadow ray from a vertex would hit the body in whose umbra the object is. */
 static bool dark_at(const pl_path_context *context, const pl_vertex *vertex) {
-  return context->settings->cast_shadows && pl_surface_is_mesh(vertex->surface_id) &&
+  return context->settings->effects.cast_shadows && pl_surface_is_mesh(vertex->surface_id) &&
          pl_shot_object_of(context->shot, vertex->surface_id)->dark;
 }
 
@@ -122,7 +122,7 @@ typedef struct sun_draw {
 static sun_draw draw_sun(const pl_path_context *context, const pl_sun_view *sun, const float u[2]) {
   const pl_limb *limb = context->settings->limb;
   const float e = sun->irradiance;
-  if (!context->settings->soft_sun)
+  if (!context->settings->effects.soft_sun)
     return (sun_draw){sun->direction, {e, e, e}, 0.0f};
   const float even = pl_sun_pdf(sun), light = sun->radiance / even;
   if (limb == NULL)
@@ -226,7 +226,7 @@ static bool extend(const pl_path_context *context, const pl_path *path, const pl
 static bool bounces_at(const pl_path_context *context, pl_surface_id id) {
   const pl_render_settings *s = context->settings;
   return pl_surface_is_ellipsoid(id)
-             ? s->body_bounces && pl_shot_body_of(context->shot, id)->bounced
+             ? s->effects.body_bounces && pl_shot_body_of(context->shot, id)->bounced
              : s->bounces > 0;
 }
 
@@ -259,9 +259,9 @@ static vertex_draws draws_of(const pl_tile_buffers *b, size_t i) {
 
 /* Removes the lobes that the plan leaves out. */
 static void set_lobes(const pl_render_settings *settings, pl_surface *s) {
-  if (!settings->clear_coat)
+  if (!settings->effects.clear_coat)
     s->lobes.coat = 0.0f;
-  if (!settings->transmission)
+  if (!settings->effects.transmission)
     s->lobes.transmission = 0.0f;
 }
 
@@ -331,7 +331,7 @@ static void shade_hit(const pl_path_context *context, int bounce, size_t i, pl_v
   }
   if (pl_vec3f_max(s->emission) > 0.0f)
     see_emission(context, &path, &b->rays[i], vertex, b);
-  if (bounce > 0 && !context->settings->planetshine &&
+  if (bounce > 0 && !context->settings->effects.planetshine &&
       pl_planetshine_is_light(vertex->surface_id, b->rays[i].from_surface))
     return;
   const pl_vec3f wo =

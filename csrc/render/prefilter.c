@@ -117,7 +117,7 @@ static bool is_lit_by_others(const pl_path_context *context, const pl_vertex *ve
                              pl_vec3f toward) {
   const pl_snapshot *shot = context->shot;
   const uint32_t own = pl_surface_index(vertex->surface_id);
-  if (!context->settings->body_bounces || !pl_body_lit_by_others(shot, vertex, toward))
+  if (!context->settings->effects.body_bounces || !pl_body_lit_by_others(shot, vertex, toward))
     return false;
   for (size_t i = 0; i < shot->body_count; i++)
     if (i != own && rises(shot->bodies[i].center, reach_of(&shot->bodies[i]), vertex))
@@ -137,7 +137,7 @@ static bool may_prefilter(const pl_path_context *context, const pl_shot_body *bo
   if (!is_plain(body->body) && !body->body->reflectance->photometric)
     return false;
   return !settings->emitters_on_bodies &&
-         !(settings->body_bounces && body->bounced && body->senders == NULL &&
+         !(settings->effects.body_bounces && body->bounced && body->senders == NULL &&
            (!context->filters_irradiance || settings->air != NULL));
 }
 
@@ -234,7 +234,7 @@ static bool seen_light(const pl_path_context *context, uint32_t pixel, const pl_
                                                     vertex->position, sun, (float)footprint_m));
   if (settings->air != NULL)
     light = pl_air_ground_light(context, pixel, vertex, light, (float)footprint_m, b);
-  if (settings->emission)
+  if (settings->effects.emission)
     light = pl_vec3f_add(light, vertex->surface.emission);
   return see_through(context, pixel, vertex, light, b);
 }
@@ -257,7 +257,8 @@ static bool prefilter_pixel(const pl_path_context *context, uint32_t pixel, pl_t
   const pl_sun_view sun = pl_sun_view_at(&shot->sun, vertex.position);
   double footprint_m;
   if (!spans_little(context, body, &vertex, toward, &sun, &footprint_m) ||
-      (settings->cast_shadows && body->shadowed && near_shadow(shot, &vertex, &sun, footprint_m)) ||
+      (settings->effects.cast_shadows && body->shadowed &&
+       near_shadow(shot, &vertex, &sun, footprint_m)) ||
       near_volume(context, &vertex, &sun, footprint_m))
     return false;
   const pl_beam beam = {.direction = direction, .spread = (float)context->pixel_rad};

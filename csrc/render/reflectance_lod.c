@@ -274,7 +274,7 @@ void pl_reflectance_lod_apply(const pl_snapshot *shot, const pl_render_settings 
     return;
   const pl_shot_body *body = pl_shot_body_of(shot, vertex->surface_id);
   if (body->lods == NULL || settings->emitters_on_bodies ||
-      (settings->body_bounces && body->bounced && body->senders == NULL))
+      (settings->effects.body_bounces && body->bounced && body->senders == NULL))
     return;
   const int law = PL_VIEW_LODS - 1 - settings->lods_down;
   const float *factor = body->lods->factor[law];

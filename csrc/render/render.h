@@ -31,9 +31,7 @@ typedef struct pl_render_settings {
   int samples;          /* colour samples per pixel; 0: no colour, only labels */
   int bounces;          /* maximum number, on meshes */
   const pl_limb *limb;  /* limb darkening of the sun's disc, with soft_sun; NULL: uniform disc */
-#define PL_FIELD(name) bool name;
-  PL_PATH_SWITCHES(PL_FIELD)
-#undef PL_FIELD
+  pl_effect_values effects;
   pl_detail detail; /* of surfaces */
   bool exact;       /* every pixel is sampled; no closed form replaces its mean */
   int lods_down;    /* steps down from Hapke's law to cheaper ones, see reflectance_lod.h */
