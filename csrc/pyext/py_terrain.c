@@ -97,12 +97,19 @@ static int ranges_of(PyObject *detail, pl_terrain_detail *out) {
   return 0;
 }
 
+static const char *const METHODS[PL_DETAIL_METHOD_COUNT] = {"noise", "diamond_square"};
+
 /* Keys that are absent keep their defaults. */
 static int detail_of(PyObject *detail, double radius_m, pl_terrain_detail *out) {
   *out = pl_terrain_detail_default(radius_m);
   out->on = detail != Py_None;
   if (!out->on)
     return 0;
+  int method = (int)out->method;
+  if (pl_py_optional_choice(detail, "method", "detail", METHODS, PL_DETAIL_METHOD_COUNT, &method) <
+      0)
+    return -1;
+  out->method = (pl_detail_method)method;
   if (pl_py_optional_seed(detail, "seed", "detail", &out->seed) < 0 || ranges_of(detail, out) < 0)
     return -1;
   const struct {

@@ -19,6 +19,8 @@ pl_terrain_detail pl_terrain_detail_default(double radius_m) {
 static bool positive(double value) { return isfinite(value) && value > 0.0; }
 
 pl_status pl_terrain_detail_check(const pl_terrain_detail *detail) {
+  if (!(detail->method < PL_DETAIL_METHOD_COUNT))
+    return pl_fail(PL_E_ARGUMENT, "detail: method %d is none", (int)detail->method);
   if (!positive(detail->baseline_m))
     return pl_fail(PL_E_RANGE, "detail: baseline_m must be above 0, not %g", detail->baseline_m);
   if (!positive(detail->deviation_m) && detail->deviation_m != 0.0)

@@ -18,9 +18,17 @@ typedef struct pl_detail_range {
   double from_m, hurst;
 } pl_detail_range;
 
+/* How detail is made below the posts of rasters. */
+typedef enum pl_detail_method {
+  PL_DETAIL_NOISE, /* terrain/fractal_detail.h; where no raster reaches, it is always this */
+  PL_DETAIL_DIAMOND_SQUARE, /* terrain/diamond_square.h */
+  PL_DETAIL_METHOD_COUNT
+} pl_detail_method;
+
 /* Detail is drawn with wavelengths between about longest_m and finest_m. */
 typedef struct pl_terrain_detail {
   bool on;
+  pl_detail_method method;
   uint64_t seed;
   double baseline_m, deviation_m; /* nu(baseline_m) = deviation_m fixes the amplitude */
   size_t range_count;             /* 1 to PL_DETAIL_RANGES; the first is from 0, then upwards */

@@ -3,6 +3,8 @@
 
 #include <stdlib.h>
 
+#include "terrain/interpolation.h"
+
 const pl_raster_frame *pl_raster_frame_of(const pl_raster *r) { return &r->frame; }
 
 int pl_raster_levels(const pl_raster *r) { return r->level_count; }
@@ -181,15 +183,6 @@ static double tap(const pl_raster *r, const pl_raster_level *level, int column, 
   return edge + abs(row - end) * (edge - column_tap(r, level, column, next));
 }
 
-/* Both interpolations are written with differences, so that a flat raster stays exactly flat and
- * posts (t = 0) keep their bits. */
-static double linear(double a, double b, double t) { return a + t * (b - a); }
-
-static double cubic(const double p[4], double t) {
-  const double a = p[0] - p[1], c = p[2] - p[1], d = p[3] - p[1];
-  return p[1] + 0.5 * t * ((c - a) + t * ((2.0 * a + 4.0 * c - d) + t * (d - a - 3.0 * c)));
-}
-
 /* Reads `side` by `side` cells from a column and row on. */
 static void window(const pl_raster *r, const pl_raster_level *level, int column, int row, int side,
                    double *out) {
@@ -205,7 +198,7 @@ static double bilinear_at(const pl_raster *r, const pl_raster_level *level, int 
                           double t) {
   double p[4];
   window(r, level, i, j, 2, p);
-  return linear(linear(p[0], p[1], s), linear(p[2], p[3], s), t);
+  return pl_linear(pl_linear(p[0], p[1], s), pl_linear(p[2], p[3], s), t);
 }
 
 static double cubic_at(const pl_raster *r, const pl_raster_level *level, int i, int j, double s,
@@ -213,8 +206,8 @@ static double cubic_at(const pl_raster *r, const pl_raster_level *level, int i, 
   double p[16], rows[4];
   window(r, level, i - 1, j - 1, 4, p);
   for (int k = 0; k < 4; k++)
-    rows[k] = cubic(p + (size_t)4 * (size_t)k, s);
-  return cubic(rows, t);
+    rows[k] = pl_catmull_rom(p + (size_t)4 * (size_t)k, s);
+  return pl_catmull_rom(rows, t);
 }
 
 /* Place in a level of a column (or row) of level 0; clamped unless the axis continues there. */

@@ -111,6 +111,22 @@ static pl_status copy_known(const pl_terrain_frame *frame, pl_terrain *t) {
   return PL_OK;
 }
 
+static pl_status refine_layers(const pl_terrain_detail *law, pl_terrain *t) {
+  void *memory;
+  const bool refined = law->method == PL_DETAIL_DIAMOND_SQUARE && t->detail.last >= 0;
+  for (size_t n = 0; n < t->layer_count; n++)
+    t->layers[n].refined = refined;
+  if (!refined || t->layer_count == 0)
+    return PL_OK;
+  PL_TRY(pl_alloc_or_fail(1, sizeof *t->diamond, "weights of diamond-square", &memory));
+  t->diamond = memory;
+  pl_diamond_weights_init(law, t->diamond);
+  for (size_t n = 0; n < t->layer_count; n++)
+    pl_diamond_square_init(t->layers[n].given.raster, t->layers[n].given.interpolation, law,
+                           t->diamond, t->radius_m, &t->layers[n].diamond);
+  return PL_OK;
+}
+
 pl_status pl_terrain_create(const pl_terrain_frame *frame, pl_terrain **out) {
   void *memory;
   *out = NULL;
@@ -141,6 +157,8 @@ pl_status pl_terrain_create(const pl_terrain_frame *frame, pl_terrain **out) {
   pl_status status = pl_terrain_take_textures(t, frame);
   pl_slope_table_init(t, frame->roughness_baseline_m);
   if (status == PL_OK)
+    status = refine_layers(&frame->detail, t);
+  if (status == PL_OK)
     status = copy_known(frame, t);
   if (status == PL_OK && frame->track_count > 0)
     status = pl_wheel_tracks_create(frame->tracks, frame->track_count, &t->tracks);
@@ -155,6 +173,7 @@ void pl_terrain_destroy(pl_terrain *terrain) {
   if (terrain == NULL)
     return;
   pl_free(terrain->known);
+  pl_free(terrain->diamond);
   pl_wheel_tracks_destroy(terrain->tracks);
   pl_free(terrain);
 }
@@ -218,7 +237,7 @@ static void widen(double from_m, double to_m, double *low_m, double *high_m) {
   *high_m = fmax(*high_m, to_m);
 }
 
-/* Bounds of one layer: U(Z) + q - U(q), over the ellipsoid. */
+/* Bounds of one layer: U(Z) and detail, over the ellipsoid. */
 static void layer_bounds(const pl_terrain *t, const pl_layer *layer, double *low_m,
                          double *high_m) {
   const pl_terrain_layer *given = &layer->given;
@@ -228,6 +247,7 @@ static void layer_bounds(const pl_terrain *t, const pl_layer *layer, double *low
   const double weights = given->interpolation == PL_INTERPOLATION_CUBIC ? 25.0 / 16.0 : 1.0;
   const double q_m = PL_DETAIL_BOUND *
                      pl_fractal_detail_deviation_m(&t->detail, layer->coarsest, PL_CUBE_LEVELS - 1);
+  const double detail_m = layer->refined ? layer->diamond.add_m : (1.0 + weights) * q_m;
   double lift_low_m = 0.0, lift_high_m = 0.0;
   if (given->datum_m > 0.0) {
     const pl_vec3 r = t->radii_m;
@@ -235,8 +255,8 @@ static void layer_bounds(const pl_terrain *t, const pl_layer *layer, double *low
     lift_high_m = given->datum_m - fmin(r.x, fmin(r.y, r.z));
   }
   const double spare_m = 1e-9 * (fabs(from_m) + fabs(to_m) + given->datum_m); /* rounding */
-  widen(from_m + lift_low_m - (1.0 + weights) * q_m - spare_m,
-        to_m + lift_high_m + (1.0 + weights) * q_m + spare_m, low_m, high_m);
+  widen(from_m + lift_low_m - detail_m - spare_m, to_m + lift_high_m + detail_m + spare_m, low_m,
+        high_m);
 }
 
 /* Whether some ground is below all rasters. */

@@ -10,9 +10,10 @@
  * U interpolates a raster's posts Z, or means of them where cells of the lattice are wider. q is
  * the detail (`terrain/fractal_detail.h`) of wavelengths below a few posts; without U(q), its own
  * interpolation from the same posts, only what the posts cannot hold is added, and posts keep their
- * heights to the bit. Where no raster reaches, h is q alone, from the longest wavelength. Craters
- * (`terrain/crater_field.h`) are added to all of it, wider than 2 to 4 cells, but for those that a
- * raster shows; smaller ones do move posts. */
+ * heights to the bit. With PL_DETAIL_DIAMOND_SQUARE rasters are refined on their own lattices
+ * instead (`terrain/diamond_square.h`). Where no raster reaches, h is q alone, from the longest
+ * wavelength. Craters (`terrain/crater_field.h`) are added to all of it, wider than 2 to 4 cells,
+ * but for those that a raster shows; smaller ones do move posts. */
 #ifndef PL_TERRAIN_TERRAIN_H
 #define PL_TERRAIN_TERRAIN_H
 
@@ -110,13 +111,13 @@ bool pl_terrain_beside_patch(const pl_terrain *terrain, pl_vec3 center, double r
 double pl_terrain_datum_m(const pl_terrain *terrain, pl_vec3 direction);
 
 /* Writes the heights in `count` unit directions, with all that the lattice of this level resolves.
- * Fails only if there is no memory for craters. Faster than one by one, most of all where
- * neighbours in the array are near each other. */
+ * Fails only if there is no memory for craters or refined rasters. Faster than one by one, most of
+ * all where neighbours in the array are near each other. */
 pl_status pl_terrain_heights(const pl_terrain *terrain, const pl_vec3 *directions, size_t count,
                              int level, double *heights_m);
 /* Returns the height in one direction, to the same bits; NAN if there is no memory for craters. */
 double pl_terrain_height(const pl_terrain *terrain, pl_vec3 direction, int level);
-/* Returns the height without craters: fast. */
+/* Returns the height without craters: fast. NAN if there is no memory for refined rasters. */
 double pl_terrain_base_height(const pl_terrain *terrain, pl_vec3 direction, int level);
 
 /* Nodes (i0 + column, j0 + row) of a face, which may lie a few beyond its edges. */

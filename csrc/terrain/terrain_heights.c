@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "terrain/crater_rays.h"
+#include "terrain/diamond_blocks.h"
 #include "terrain/terrain_parts.h"
 
 enum { STRIP = PL_DETAIL_STRIP };
@@ -10,6 +11,7 @@ enum { STRIP = PL_DETAIL_STRIP };
 /* A layer at the nodes of a strip. */
 typedef struct layer_strip {
   bool used, detailed;
+  int levels;                       /* of diamond-square */
   bool here[STRIP], fractal[STRIP]; /* whether the layer counts; whether detail is added to it */
   double u[STRIP], v[STRIP], weight[STRIP];
   double sums_m[STRIP]; /* detail */
@@ -25,11 +27,24 @@ typedef struct work {
   pl_posts posts;
 } work;
 
-static void begin(work *w, const pl_terrain *terrain, int level) {
+static pl_status begin(work *w, const pl_terrain *terrain, int level) {
   w->terrain = terrain;
   w->level = level < 0 ? 0 : level < PL_CUBE_LEVELS ? level : PL_CUBE_LEVELS - 1;
   w->finest = w->level < terrain->detail.last ? w->level : terrain->detail.last;
   pl_posts_init(&w->posts, w->level);
+  return terrain->diamond != NULL ? pl_diamond_blocks_ready() : PL_OK;
+}
+
+/* Whether and how detail is added to a layer. */
+static void set_detail(const work *w, const pl_layer *layer, layer_strip *at) {
+  const double radius_m = w->terrain->radius_m;
+  at->detailed = pl_cube_cell_m(w->level, radius_m) < layer->spacing_m &&
+                 w->finest >= layer->coarsest && w->finest >= w->terrain->detail.first;
+  at->levels = 0;
+  if (at->detailed && layer->refined) {
+    at->levels = pl_diamond_levels(&layer->diamond, pl_cube_cell_m(w->finest, radius_m));
+    at->detailed = at->levels > 0;
+  }
 }
 
 /* Finds the layers that are seen: from the uppermost down to the first that covers all others. */
@@ -41,8 +56,7 @@ static void find_layers(work *w) {
     const pl_layer *layer = &w->terrain->layers[n];
     layer_strip *at = &w->layers[n];
     at->used = false;
-    at->detailed = pl_cube_cell_m(w->level, w->terrain->radius_m) < layer->spacing_m &&
-                   w->finest >= layer->coarsest && w->finest >= w->terrain->detail.first;
+    set_detail(w, layer, at);
     for (size_t k = 0; k < count; k++) {
       at->here[k] =
           w->bare[k] && pl_raster_find(layer->given.raster, w->directions[k], &at->u[k], &at->v[k]);
@@ -78,7 +92,8 @@ static void sum_detail(work *w, double *sums_m) {
       coarsest = detail->first;
   }
   for (size_t n = 0; n < w->terrain->layer_count; n++)
-    if (w->layers[n].used && w->layers[n].detailed && w->terrain->layers[n].coarsest < coarsest)
+    if (w->layers[n].used && w->layers[n].detailed && !w->terrain->layers[n].refined &&
+        w->terrain->layers[n].coarsest < coarsest)
       coarsest = w->terrain->layers[n].coarsest;
   for (int octave = w->finest; octave >= coarsest; octave--) {
     pl_fractal_detail_add(detail, &w->strip, octave, w->level, &w->posts.cache, sums_m);
@@ -96,25 +111,41 @@ static int pyramid_level(const work *w, const pl_layer *layer) {
   return posts > 1.0 ? (int)floor(log2(posts) + 0.25) : 0;
 }
 
+/* Sets the layer's sums to what is added to its interpolated posts. */
+static void set_added(work *w, int n) {
+  const pl_layer *layer = &w->terrain->layers[n];
+  layer_strip *at = &w->layers[n];
+  double posts_m[STRIP];
+  if (layer->refined) {
+    for (size_t k = 0; k < w->strip.count; k++)
+      if (at->fractal[k])
+        at->sums_m[k] = pl_diamond_square_height(&layer->diamond, w->terrain->diamond, at->levels,
+                                                 at->u[k], at->v[k]);
+    return;
+  }
+  cut(w, layer->coarsest, at->sums_m);
+  pl_posts_interpolate(&w->posts, w->terrain, n, w->strip.count, at->u, at->v, at->fractal,
+                       posts_m);
+  for (size_t k = 0; k < w->strip.count; k++)
+    if (at->fractal[k])
+      at->sums_m[k] -= posts_m[k];
+}
+
 /* Lays one layer over the heights. */
 static void lay(work *w, int n, double *heights_m) {
   const pl_layer *layer = &w->terrain->layers[n];
   const pl_terrain_layer *given = &layer->given;
   layer_strip *at = &w->layers[n];
   const int pyramid = pyramid_level(w, layer);
-  double posts_m[STRIP];
-  if (at->detailed) {
-    cut(w, layer->coarsest, at->sums_m);
-    pl_posts_interpolate(&w->posts, w->terrain, n, w->strip.count, at->u, at->v, at->fractal,
-                         posts_m);
-  }
+  if (at->detailed)
+    set_added(w, n);
   for (size_t k = 0; k < w->strip.count; k++) {
     if (!at->here[k])
       continue;
     double height_m =
         pl_raster_value(given->raster, pyramid, at->u[k], at->v[k], given->interpolation);
     if (at->fractal[k])
-      height_m += at->sums_m[k] - posts_m[k];
+      height_m += at->sums_m[k];
     if (given->datum_m > 0.0)
       height_m += given->datum_m - pl_terrain_datum_m(w->terrain, w->directions[k]);
     heights_m[k] =
@@ -234,7 +265,7 @@ static pl_status full_heights(work *w, const pl_vec3 *directions, size_t count, 
 pl_status pl_terrain_heights(const pl_terrain *terrain, const pl_vec3 *directions, size_t count,
                              int level, double *heights_m) {
   work w;
-  begin(&w, terrain, level);
+  PL_TRY(begin(&w, terrain, level));
   return full_heights(&w, directions, count, heights_m);
 }
 
@@ -247,7 +278,8 @@ double pl_terrain_height(const pl_terrain *terrain, pl_vec3 direction, int level
 double pl_terrain_base_height(const pl_terrain *terrain, pl_vec3 direction, int level) {
   work w;
   double height_m;
-  begin(&w, terrain, level);
+  if (begin(&w, terrain, level) != PL_OK)
+    return (double)NAN;
   base_heights(&w, &direction, 1, &height_m);
   return height_m;
 }
@@ -281,7 +313,7 @@ static pl_status part_heights(work *w, const pl_terrain_nodes *nodes, int column
 pl_status pl_terrain_block(const pl_terrain *terrain, const pl_terrain_nodes *nodes,
                            double *heights_m, pl_vec3 *directions) {
   work w;
-  begin(&w, terrain, nodes->level);
+  PL_TRY(begin(&w, terrain, nodes->level));
   for (int row = 0; row < nodes->height; row += PART)
     for (int column = 0; column < nodes->width; column += PART)
       PL_TRY(part_heights(&w, nodes, column, row, heights_m, directions));

@@ -2,6 +2,7 @@
 #ifndef PL_TERRAIN_TERRAIN_PARTS_H
 #define PL_TERRAIN_TERRAIN_PARTS_H
 
+#include "terrain/diamond_square.h"
 #include "terrain/fractal_detail.h"
 #include "terrain/terrain.h"
 
@@ -13,6 +14,8 @@ typedef struct pl_layer {
   pl_terrain_layer given;
   double spacing_m;
   int coarsest; /* level of detail */
+  bool refined; /* by diamond-square, not by the sum of octaves */
+  pl_diamond_square diamond;
 } pl_layer;
 
 /* Variances of slopes along any one axis, by level of the lattice; of the laws, thus means. */
@@ -43,6 +46,7 @@ struct pl_terrain {
   pl_terrain_patch patch;
   size_t layer_count;
   pl_layer layers[PL_TERRAIN_LAYERS];
+  pl_diamond_weights *diamond; /* owned; NULL where none is refined */
   pl_slope_table slopes;
   pl_numbered_crater *known; /* owned; by ascending z of the directions */
   size_t known_count;

@@ -1,8 +1,8 @@
 """The ground in numbers: `python docs/figures/make_figures.py ground`. Needs the sample data.
 
-Slopes of detail beside those of diamond-square by the same law; slopes of three scenes over
-baselines of 1, 10 and 100 m, and their medians beside published ones; numbers of rocks beside
-published laws.
+Slopes of detail by both methods, beside those of plain diamond-square by the same law; slopes of
+three scenes over baselines of 1, 10 and 100 m, and their medians beside published ones; numbers of
+rocks beside published laws.
 """
 
 from __future__ import annotations
@@ -75,15 +75,35 @@ def _around(lon_deg: float, lat_deg: float) -> tuple[F64, F64, F64]:
     return up, east, np.cross(up, east)
 
 
-def _detail() -> F64:
+POST_M = 16.0
+
+
+def _refined(law: dict[str, object], true: _core.Terrain) -> _core.Terrain:
+    """Posts of a ground, POST_M apart, refined by diamond-square."""
+    extent_m = 0.5 * POST_M * (SIDE // 8)
+    place = {"lon0_rad": math.radians(40.0), "lat0_rad": math.radians(30.0), "radius_m": RADIUS_M}
+    frame = ("orthographic", -extent_m, extent_m, POST_M, -POST_M)
+    side = SIDE // 8 + 1
+    columns, rows = np.meshgrid(np.arange(side), np.arange(side))
+    posts = np.stack([columns.ravel(), rows.ravel()], axis=1).astype(float)
+    flat = _core.Raster(np.zeros((side, side), dtype=np.float32), *frame, **place)
+    heights = true.heights(flat.directions(posts)).reshape(side, side).astype(np.float32)
+    raster = _core.Raster(heights, *frame, **place)
+    more = {"method": "diamond_square", "seed": 3}
+    return _core.Terrain(np.full(3, RADIUS_M), [(raster, "bilinear", 0.0, 0.0)], law | more)
+
+
+def _detail(method: str) -> F64:
     """(SIDE, SIDE) heights of detail of one Hurst exponent over the whole square."""
-    law = {
+    law: dict[str, object] = {
         "ranges": [(0.0, HURST)],
         "seed": 2,
         "longest_m": 2.0 * SIDE * STEP_M,
         "finest_m": 0.5 * STEP_M,
     }
     terrain = _core.Terrain(np.full(3, RADIUS_M), detail=law)
+    if method == "diamond_square":
+        terrain = _refined(law, terrain)
     up, east, north = _around(40.0, 30.0)
     x = (np.arange(SIDE) - SIDE // 2) * STEP_M / RADIUS_M
     at = up + x[None, :, None] * east - x[:, None, None] * north
@@ -163,15 +183,19 @@ def _rocks(axes: Axes) -> None:
 
 def figure() -> Figure:
     """All of it."""
-    made = Figure(figsize=(11.0, 7.6), layout="constrained")
-    grid = made.add_gridspec(2, 6)
-    titles = "Slopes of detail, H 0.95", "Slopes of diamond-square: creases"
-    for column, (title, heights) in enumerate(zip(titles, (_detail(), _plain()), strict=True)):
+    made = Figure(figsize=(13.0, 7.6), layout="constrained")
+    grid = made.add_gridspec(2, 8)
+    squares = {
+        "Slopes of noise, H 0.95": _detail("noise"),
+        "diamond_square, posts of 16 m": _detail("diamond_square"),
+        "Plain diamond-square: creases": _plain(),
+    }
+    for column, (title, heights) in enumerate(squares.items()):
         axes = made.add_subplot(grid[0, 2 * column : 2 * column + 2])
         axes.imshow(_rise(heights), cmap="gray", vmin=-2.5, vmax=2.5, interpolation="nearest")
         axes.set(xticks=[], yticks=[])
         axes.set_title(title, fontsize=9)
-    _slopes(made.add_subplot(grid[0, 4:]))
-    _medians(made.add_subplot(grid[1, :3]))
-    _rocks(made.add_subplot(grid[1, 3:]))
+    _slopes(made.add_subplot(grid[0, 6:]))
+    _medians(made.add_subplot(grid[1, :4]))
+    _rocks(made.add_subplot(grid[1, 4:]))
     return made

@@ -101,7 +101,8 @@ class Terrain:
         """radii_m: (3,) of the ellipsoid. layers: (raster, interpolation, border_posts, datum_m), each
         over those before it: interpolation "bilinear" | "cubic"; the border is the width of blending
         into the layers below; datum_m: radius of the sphere that heights are over, 0 for the
-        ellipsoid. detail: None for none; keys, all optional: seed (0 to 2^64 - 1), ranges [(from_m,
+        ellipsoid. detail: None for none; keys, all optional: method ("noise" |
+        "diamond_square"), seed (0 to 2^64 - 1), ranges [(from_m,
         hurst), ...] (the first from 0), baseline_m and deviation_m (RMS difference of heights over
         that baseline), strength (factor of heights), longest_m and finest_m (widest and narrowest
         cells of noise). The defaults are the highlands of the Moon, without a seed: 0. craters: of a

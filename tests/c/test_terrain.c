@@ -58,7 +58,8 @@ static void teardown(ground *g) {
   pl_raster_destroy(g->body);
 }
 
-static pl_terrain *make(const ground *g, size_t layers, pl_raster_interpolation how, bool detail) {
+static pl_terrain *make_by(const ground *g, size_t layers, pl_raster_interpolation how, bool detail,
+                           pl_detail_method method) {
   const pl_terrain_layer given[2] = {{g->body, how, 0.0, 0.0}, {g->patch, how, 4.0, 0.0}};
   pl_terrain_frame frame = {
       .radii_m = {RADIUS_M, RADIUS_M, RADIUS_M},
@@ -67,17 +68,23 @@ static pl_terrain *make(const ground *g, size_t layers, pl_raster_interpolation 
       .detail = pl_terrain_detail_default(RADIUS_M),
   };
   frame.detail.on = detail;
+  frame.detail.method = method;
   pl_terrain *terrain;
   assert_int_equal(pl_terrain_create(&frame, &terrain), PL_OK);
   return terrain;
+}
+
+static pl_terrain *make(const ground *g, size_t layers, pl_raster_interpolation how, bool detail) {
+  return make_by(g, layers, how, detail, PL_DETAIL_NOISE);
 }
 
 static void test_posts(void **state) {
   (void)state;
   static ground g;
   setup(&g, 1);
-  for (int how = 0; how < PL_INTERPOLATION_COUNT; how++) {
-    pl_terrain *terrain = make(&g, 2, (pl_raster_interpolation)how, true);
+  for (int k = 0; k < PL_INTERPOLATION_COUNT * PL_DETAIL_METHOD_COUNT; k++) {
+    const pl_raster_interpolation how = (pl_raster_interpolation)(k % PL_INTERPOLATION_COUNT);
+    pl_terrain *terrain = make_by(&g, 2, how, true, (pl_detail_method)(k / PL_INTERPOLATION_COUNT));
     int moved = 0;
     for (int row = 5; row < SIDE - 5; row++)
       for (int column = 5; column < SIDE - 5; column++) {
@@ -88,7 +95,7 @@ static void test_posts(void **state) {
         double u, v;
         assert_true(pl_raster_find(g.patch, beside, &u, &v));
         moved += fabs(pl_terrain_height(terrain, beside, 28) -
-                      pl_raster_value(g.patch, 0, u, v, (pl_raster_interpolation)how)) > 0.05;
+                      pl_raster_value(g.patch, 0, u, v, how)) > 0.05;
       }
     assert_true(moved > 700); /* of 900: detail is there */
     pl_terrain_destroy(terrain);
@@ -97,11 +104,10 @@ static void test_posts(void **state) {
 }
 
 /* Blocks across the patch, of any size and place, have the bits of points. */
-static void test_blocks(void **state) {
-  (void)state;
+static void check_blocks(pl_detail_method method) {
   static ground g;
   setup(&g, 2);
-  pl_terrain *terrain = make(&g, 2, PL_INTERPOLATION_CUBIC, true);
+  pl_terrain *terrain = make_by(&g, 2, PL_INTERPOLATION_CUBIC, true, method);
   test_random random = {.seed = 3};
   int face;
   double s, t;
@@ -132,6 +138,12 @@ static void test_blocks(void **state) {
   }
   pl_terrain_destroy(terrain);
   teardown(&g);
+}
+
+static void test_blocks(void **state) {
+  (void)state;
+  check_blocks(PL_DETAIL_NOISE);
+  check_blocks(PL_DETAIL_DIAMOND_SQUARE);
 }
 
 /* An edge of the cube: the same bits from both faces. */

@@ -278,6 +278,7 @@ THINGS = [
         (*AT_BODY, "terrain", "detail"),
         {},
         {
+            "method": "diamond_square",
             "seed": 5,
             "baseline_m": 100.0,
             "deviation_m": 100.0,

@@ -126,6 +126,10 @@ def test_no_two_laws(detail: dict[str, object]) -> None:
         section(**detail)
     with pytest.raises(ValueError, match="there is no elevation"):
         Terrain.model_validate({"detail": {"from_elevation": True}})
+    with pytest.raises(
+        ValueError, match="diamond_square: refines elevation models, and there is no"
+    ):
+        Terrain.model_validate({"detail": {"method": "diamond_square"}})
 
 
 def test_the_moon(data_dir: Path) -> None:

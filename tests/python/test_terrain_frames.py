@@ -77,9 +77,14 @@ def test_points_lie_on_the_heights(view):
     assert off.max() < 2.0
 
 
-def test_the_same_bits_for_any_threads_and_whatever_is_kept():
+@pytest.mark.parametrize("method", ["noise", "diamond_square"])
+def test_the_same_bits_for_any_threads_and_whatever_is_kept(method, tmp_path):
     trajectory = over(300.0, 60.0) | {"lon_deg": {"uniform": [19.9, 20.1]}}
-    sim = moon({"detail": {"seed": SEED}}, {"trajectory": trajectory}, time={
+    np.save(tmp_path / "z.npy", np.random.default_rng(1).normal(0.0, 300.0, (180, 360)))
+    model = {"file": str(tmp_path / "z.npy"), "projection": {"kind": "cylindrical", "west_deg": 0}}
+    ground = {"detail": {"method": method, "seed": SEED}}
+    ground |= {"elevation": [model]} if method == "diamond_square" else {}
+    sim = moon(ground, {"trajectory": trajectory}, time={
         "epoch": "2026-03-03T06:00:00Z", "step_s": 1.0})  # fmt: skip
     channels = ["radiance", "depth", "normal", "slope"]
     kept = [sim.frame(k, channels, threads=1) for k in (2, 0, 1)][2]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from itertools import pairwise
 
@@ -15,13 +16,14 @@ RADIUS_M = 1737400.0
 RADII_M = np.full(3, RADIUS_M)
 F64 = NDArray[np.float64]
 FINE = 16  # nodes between posts
+TILE = 64
 
 
-def law(hurst: float, seed: int, finest_m: float = 0.5) -> dict[str, object]:
+def law(hurst: float, seed: int, finest_m: float = 0.5, method: str = "noise") -> dict[str, object]:
     """nu(L) = (L / 10 m)^H metres."""
     return {
-        "seed": seed, "ranges": [(0.0, hurst)], "baseline_m": 10.0, "deviation_m": 1.0,
-        "longest_m": 2e4, "finest_m": finest_m,
+        "method": method, "seed": seed, "ranges": [(0.0, hurst)], "baseline_m": 10.0,
+        "deviation_m": 1.0, "longest_m": 2e4, "finest_m": finest_m,
     }  # fmt: skip
 
 
@@ -44,20 +46,34 @@ def nodes(raster: _core.Raster, first: float, last: float, count: int) -> F64:
 
 
 def square(terrain: _core.Terrain, directions: F64, cell_m: float = 0.0) -> F64:
+    """Square by square of TILE nodes, as tiles of a mesh do."""
     side = math.isqrt(len(directions))
-    return terrain.heights(directions, cell_m).reshape(side, side)
+    row, column = np.divmod(np.arange(len(directions)), side)
+    order = np.lexsort((column // TILE, row // TILE))
+    heights = np.empty(len(directions))
+    heights[order] = terrain.heights(directions[order], cell_m)
+    return heights.reshape(side, side)
 
 
-def continued(
-    hurst: float, interpolation: str, posts: int = 40, step_m: float = 16.0
-) -> tuple[F64, F64, _core.Raster]:
-    """A fractal, and another one laid over its posts: FINE nodes a post, but for 3 posts a side."""
+@functools.cache
+def fractal(hurst: float, posts: int, step_m: float) -> tuple[F64, _core.Raster, F64]:
+    """Heights of nodes, the raster of its posts, and directions of the nodes."""
     true = _core.Terrain(RADII_M, detail=law(hurst, 1))
     frame = patch(np.zeros((posts, posts)), step_m)
     raster = patch(square(true, nodes(frame, 0, posts - 1, posts)), step_m)
-    over = _core.Terrain(RADII_M, [(raster, interpolation, 0.0, 0.0)], law(hurst, 2))
     fine = nodes(raster, 3, posts - 4, (posts - 7) * FINE + 1)
-    return square(true, fine), square(over, fine), raster
+    return square(true, fine), raster, fine
+
+
+def continued(
+    hurst: float, interpolation: str, method: str = "noise", posts: int = 40, step_m: float = 16.0
+) -> tuple[F64, F64, _core.Raster]:
+    """A fractal, and another one laid over its posts: FINE nodes a post, but for 3 posts a side.
+    Nodes of diamond-square never move, so finer ones than those are not asked of it."""
+    true, raster, fine = fractal(hurst, posts, step_m)
+    given = law(hurst, 2, 0.5 if method == "noise" else 1.3 * step_m / FINE, method)
+    over = _core.Terrain(RADII_M, [(raster, interpolation, 0.0, 0.0)], given)
+    return true, square(over, fine), raster
 
 
 def deviation(h: F64, lag: int) -> float:
@@ -65,13 +81,22 @@ def deviation(h: F64, lag: int) -> float:
     return math.sqrt(0.5 * (rise[0].mean() + rise[1].mean()))
 
 
-def spectrum_slope(h: F64, first: int, last: int) -> float:
-    """Exponent of the power of rows between two numbers of waves, by octave-like bands."""
+def power_of_rows(h: F64) -> F64:
     n = h.shape[1]
     x = np.linspace(-1.0, 1.0, n)
     rows = h - h.mean(axis=1, keepdims=True)
     rows = rows - np.outer(rows @ x / (x @ x), x)
-    power = (np.abs(np.fft.rfft(rows * np.hanning(n))) ** 2).mean(axis=0)
+    return np.asarray((np.abs(np.fft.rfft(rows * np.hanning(n))) ** 2).mean(axis=0))
+
+
+def sampled_power(hurst: float, n: int) -> F64:
+    """Of a fractal without an end, sampled at n nodes: finer waves are seen as coarser ones."""
+    f = np.maximum(np.arange(n // 2 + 1), 1)[:, None] + n * np.arange(-50, 51)
+    return np.asarray((np.abs(f) ** (-2.0 * hurst - 1.0)).sum(axis=1))
+
+
+def spectrum_slope(power: F64, first: int, last: int) -> float:
+    """Exponent of a power between two numbers of waves, by octave-like bands."""
     edges = np.geomspace(first, last, 13).astype(int)
     bands = [slice(a, b) for a, b in pairwise(edges) if b > a]
     waves = [np.log(np.arange(b.start, b.stop)).mean() for b in bands]
@@ -138,18 +163,25 @@ def test_structure_function(hurst: float) -> None:
 
 
 @pytest.mark.parametrize(
-    ("hurst", "interpolation"),
-    [(0.3, "bilinear"), (0.5, "bilinear"), (0.76, "cubic"), (0.95, "cubic")],
-)
-def test_an_elevation_model_is_continued(hurst: float, interpolation: str) -> None:
+    ("hurst", "interpolation", "method"),
+    [
+        (0.3, "bilinear", "noise"), (0.5, "bilinear", "noise"),
+        (0.76, "cubic", "noise"), (0.95, "cubic", "noise"),
+        (0.3, "bilinear", "diamond_square"), (0.5, "cubic", "diamond_square"),
+        (0.76, "bilinear", "diamond_square"), (0.95, "bilinear", "diamond_square"),
+    ],
+)  # fmt: skip
+def test_an_elevation_model_is_continued(hurst: float, interpolation: str, method: str) -> None:
     """Between the posts of a fractal: its structure function and spectrum; posts and means stay."""
-    true, over, raster = continued(hurst, interpolation)
+    true, over, raster = continued(hurst, interpolation, method)
     assert np.array_equal(true[::FINE, ::FINE].astype(np.float32), over[::FINE, ::FINE])
     assert np.std(over - true) > 0.03
     for lag in (1, 2, 4, 8, 16, 32, 64):
         assert deviation(over, lag) == pytest.approx(deviation(true, lag), rel=0.15), lag
-    slope = spectrum_slope(over, 7, 90)
-    assert slope == pytest.approx(-2.0 * hurst - 1.0, abs=0.1)
+    slope, expected = spectrum_slope(power_of_rows(over), 7, 90), -2.0 * hurst - 1.0
+    if method == "diamond_square":  # its nodes are samples, those of noise end at their spacing
+        expected = spectrum_slope(sampled_power(hurst, len(over)), 7, 90)
+    assert slope == pytest.approx(expected, abs=0.1)
     plain = _core.Terrain(RADII_M, [(raster, interpolation, 0.0, 0.0)])
     fine = nodes(raster, 3, 36, 33 * FINE + 1)
     added = (over - square(plain, fine))[:-1, :-1]
@@ -162,7 +194,8 @@ def test_no_directions_and_no_creases() -> None:
     """Energy along the lines of posts equals that along diagonals, and no line is creased: neither
     by detail nor by its continuation of a raster; bilinear interpolation and diamond-square are."""
     true, over, _ = continued(0.95, "cubic")
-    for h in (true, over):
+    *_, refined, _ = continued(0.95, "bilinear", "diamond_square")
+    for h in (true, over, refined):
         for low, high in ((0.02, 0.1), (0.1, 0.25)):
             assert along_over_across(h, low, high) == pytest.approx(1.0, abs=0.1)
         assert crease(h) == pytest.approx(1.0, abs=0.1)
@@ -171,6 +204,32 @@ def test_no_directions_and_no_creases() -> None:
     assert crease(folded) > 1.5
     plain = np.mean([crease(diamond_square(0.95, 9, seed)) for seed in range(3)])
     assert plain > 1.5
+
+
+def test_diamond_square_does_not_know_where_a_raster_is_cut() -> None:
+    """Away from its border a part of a raster has the heights of the whole; in any order, alone
+    or beside others; and those of another seed are others."""
+    samples = np.random.default_rng(3).normal(0.0, 5.0, (64, 64))
+    whole = patch(samples, 8.0)
+    part = _core.Raster(
+        samples[10:50, 20:60].astype(np.float32), "orthographic", -252.0 + 160.0, 252.0 - 80.0,
+        8.0, -8.0, lon0_rad=0.3, lat0_rad=0.2, radius_m=RADIUS_M,
+    )  # fmt: skip
+    rng = np.random.default_rng(4)
+    at = part.directions(rng.uniform(13.0, 26.0, (400, 2)))
+    given = law(0.8, 5, 0.05, "diamond_square")
+    large, small, other = (
+        _core.Terrain(RADII_M, [(raster, "cubic", 0.0, 0.0)], detail)
+        for raster, detail in ((whole, given), (part, given), (part, given | {"seed": 6}))
+    )
+    h = large.heights(at)
+    np.testing.assert_allclose(small.heights(at), h, rtol=0.0, atol=1e-6)
+    assert np.abs(other.heights(at) - h).max() > 0.1
+    order = rng.permutation(len(at))
+    assert np.array_equal(large.heights(at[order]), h[order])
+    assert [large.heights(at[k : k + 1])[0] for k in order[:20]] == list(h[order[:20]])
+    low, high = large.bounds
+    assert low < h.min() < h.max() < high
 
 
 def test_cube_edges_are_nowhere() -> None:
@@ -227,9 +286,12 @@ def test_poles_and_date_line() -> None:
     raster = _core.Raster(
         samples, "cylindrical", -math.pi + step / 2, math.pi / 2 - step / 2, step, -step
     )
-    for interpolation in ("bilinear", "cubic"):
-        terrain = _core.Terrain(RADII_M, [(raster, interpolation, 0.0, 0.0)], {"seed": 10})
-        lat = rng.uniform(-1.5, 1.5, 200)
+    for interpolation, method in (
+        ("bilinear", "noise"), ("cubic", "noise"), ("cubic", "diamond_square"),
+    ):  # fmt: skip
+        detail = {"seed": 10, "method": method}
+        terrain = _core.Terrain(RADII_M, [(raster, interpolation, 0.0, 0.0)], detail)
+        lat = rng.uniform(-1.5, 1.5, 100)
         sides = [
             np.stack([-np.cos(lat), np.full_like(lat, y), np.sin(lat)], axis=1)
             for y in (-1e-9, 1e-9)

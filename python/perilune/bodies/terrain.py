@@ -27,7 +27,9 @@ Textures = tuple[_core.Raster | None, _core.Raster | None, _core.Raster | None]
 
 def _detail(given: Detail) -> dict[str, Any]:
     """The keys of the core's detail that are given."""
-    keys: dict[str, Any] = {"seed": given.seed, "strength": given.strength}
+    keys: dict[str, Any] = {
+        "method": given.method, "seed": given.seed, "strength": given.strength
+    }  # fmt: skip
     for name in ("baseline_m", "deviation_m", "longest_m", "finest_m"):
         if getattr(given, name) is not None:
             keys[name] = getattr(given, name)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import BeforeValidator, Field, model_validator
 
@@ -38,6 +38,10 @@ class Detail(Strict):
     between 0.1 m and 1 km (Rosenburg et al. 2011), 0.86, 0.6 and 0.22 from 1, 8 and 25 km on
     (LOLA's LDEM_4), and 0.85 below 0.1 m. Posts keep their heights."""
 
+    method: Literal["noise", "diamond_square"] = "noise"
+    """noise: a sum of noises on lattices that are turned at random. diamond_square: elevation
+    models are refined on their own lattices by midpoint displacement, as the second paper does;
+    where no model reaches, it is noise all the same."""
     seed: _Seed = 0
     """Number of the ground: another seed gives other detail of the same roughness."""
     baseline_m: Positive | None = None
@@ -146,4 +150,7 @@ class Terrain(Strict):
             fail("rocks.ejecta", "does nothing without craters")
         if not self.elevation and self.detail is not None and self.detail.from_elevation:
             fail("detail.from_elevation", "true: there is no elevation")
+        if not self.elevation and self.detail is not None and self.detail.method != "noise":
+            text = f"{self.detail.method}: refines elevation models, and there is no elevation"
+            fail("detail.method", text)
         return self
