@@ -2,6 +2,8 @@
 #ifndef PL_MATH_SAMPLING_H
 #define PL_MATH_SAMPLING_H
 
+#include <stdbool.h>
+
 #include "math/vec.h"
 
 /* Right-handed orthonormal axes (t, b, n) around the unit vector n; continuous except at n.z = 0.
@@ -23,6 +25,16 @@ static inline pl_vec3f pl_basis_to_world(const pl_basis *basis, pl_vec3f v) {
 static inline pl_vec3f pl_basis_to_local(const pl_basis *basis, pl_vec3f v) {
   return pl_vec3f_make(pl_vec3f_dot(v, basis->t), pl_vec3f_dot(v, basis->b),
                        pl_vec3f_dot(v, basis->n));
+}
+
+/* Lets a random number that draws a direction also choose how it is drawn, and stretches the part
+ * of its range that is left to [0, 1): samples that are evenly distributed remain so within each
+ * choice, which those of a choice by another number do not. Returns whether u is below `chance`. */
+static inline bool pl_sample_choose(float chance, float *u) {
+  const bool below = *u < chance;
+  const float from = below ? 0.0f : chance, wide = below ? chance : 1.0f - chance;
+  *u = pl_minf((*u - from) / wide, 0x1.fffffep-1f);
+  return below;
 }
 
 /* Uniform point of the unit disc, z = 0; density 1/pi. Concentric map, which keeps strata compact:

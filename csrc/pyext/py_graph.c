@@ -240,11 +240,10 @@ static PyObject *graph_evaluate(PyObject *object, PyObject *args, PyObject *kwar
 static void put_albedo(const pl_surface *s, pl_vec3f wo, uint32_t draws, double out[3]) {
   out[0] = out[1] = out[2] = 0.0;
   for (uint32_t i = 0; wo.z > 0.0f && i < draws; i++) {
-    float u[2], choice[2], pdf;
+    float u[2], pdf;
     pl_vec3f wi, weight;
     pl_sample_2d(i, 0, 0, u);
-    pl_sample_2d(i, 0, 1, choice);
-    if (!s->reflectance->sample(s, wo, u, choice[0], &wi, &weight, &pdf))
+    if (!s->reflectance->sample(s, wo, u, &wi, &weight, &pdf))
       continue;
     out[0] += (double)weight.x / draws;
     out[1] += (double)weight.y / draws;

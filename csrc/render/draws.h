@@ -9,7 +9,7 @@
 typedef struct pl_draws {
   float *sun[2];       /* point on the sun's disc */
   float *direction[2]; /* next direction of the path; NULL: sampled otherwise */
-  float *choice[2];    /* lobe; Russian roulette */
+  float *choice[2];    /* body or mirror that is drawn; Russian roulette */
 } pl_draws;
 
 /* Fills all arrays for `count` paths: sample `index` of the pixels with these seeds, at the vertex

@@ -353,9 +353,9 @@ float pl_planetshine_pdf(const pl_planetshine_ray *shine, const pl_surface *s, p
   return density(shine, lobe, bodies_pdf(shine, direction, -1, 0.0f));
 }
 
-static bool sample_lobe(const pl_surface *s, pl_vec3f wo, const float u[2], float choice,
+static bool sample_lobe(const pl_surface *s, pl_vec3f wo, const float u[2],
                         pl_planetshine_draw *out) {
-  if (!s->reflectance->sample(s, wo, u, choice, &out->wi, &out->weight, &out->lobe_pdf))
+  if (!s->reflectance->sample(s, wo, u, &out->wi, &out->weight, &out->lobe_pdf))
     return false;
   out->pdf = out->lobe_pdf;
   out->direction = pl_vec3f_unit(pl_surface_to_world(s, out->wi));
@@ -363,15 +363,13 @@ static bool sample_lobe(const pl_surface *s, pl_vec3f wo, const float u[2], floa
   return out->wi.z > 0.0f ? side > 0.0f : out->wi.z < 0.0f && side < 0.0f;
 }
 
-/* Draws a direction towards one of the bodies, or a mirror (body -1), by `choice` in [0, 1);
- * `known`: the density of the body's draw. */
-static bool sample_target(const pl_planetshine_ray *shine, const float u[2], float choice,
-                          int *body, pl_vec3f *direction, float *known) {
+/* Draws a direction towards one of the bodies, or a mirror (body -1); `known`: the density of the
+ * body's draw. */
+static bool sample_target(const pl_planetshine_ray *shine, float u[2], float choice, int *body,
+                          pl_vec3f *direction, float *known) {
   *body = -1;
-  if (choice < shine->mirrored)
-    return pl_caustics_sample(&shine->mirrors, u, choice / shine->mirrored, direction);
-  if (shine->mirrored > 0.0f)
-    choice = (choice - shine->mirrored) / (1.0f - shine->mirrored);
+  if (shine->mirrored > 0.0f && pl_sample_choose(shine->mirrored, &u[0]))
+    return pl_caustics_sample(&shine->mirrors, u, choice, direction);
   int at = 0;
   while (at + 1 < shine->count && choice >= shine->chance[at])
     choice -= shine->chance[at++];
@@ -381,7 +379,7 @@ static bool sample_target(const pl_planetshine_ray *shine, const float u[2], flo
 }
 
 static bool sample_set(const pl_planetshine_ray *shine, const pl_surface *s, pl_vec3f wo,
-                       const float u[2], float choice, pl_planetshine_draw *out) {
+                       float u[2], float choice, pl_planetshine_draw *out) {
   int at;
   float known = 0.0f;
   if (!sample_target(shine, u, choice, &at, &out->direction, &known) ||
@@ -399,14 +397,15 @@ static bool sample_set(const pl_planetshine_ray *shine, const pl_surface *s, pl_
 bool pl_planetshine_sample(const pl_planetshine_ray *shine, const pl_surface *s, pl_vec3f wo,
                            const float u[2], float choice, pl_planetshine_draw *out) {
   const float share = shine->share;
-  out->set = choice < share;
-  if (!(share > 0.0f))
-    return sample_lobe(s, wo, u, choice, out);
-  if (choice < share)
-    return sample_set(shine, s, wo, u, choice / share, out);
-  if (!sample_lobe(s, wo, u, pl_minf((choice - share) / (1.0f - share), 0x1.fffffep-1f), out))
+  float v[2] = {u[0], u[1]};
+  out->set = share > 0.0f && pl_sample_choose(share, &v[0]);
+  if (out->set)
+    return sample_set(shine, s, wo, v, choice, out);
+  if (!sample_lobe(s, wo, v, out))
     return false;
-  out->pdf = density(shine, out->lobe_pdf, bodies_pdf(shine, out->direction, -1, 0.0f));
-  out->weight = pl_vec3f_scale(out->weight, out->lobe_pdf / out->pdf);
+  if (share > 0.0f) {
+    out->pdf = density(shine, out->lobe_pdf, bodies_pdf(shine, out->direction, -1, 0.0f));
+    out->weight = pl_vec3f_scale(out->weight, out->lobe_pdf / out->pdf);
+  }
   return true;
 }

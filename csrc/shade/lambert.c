@@ -26,10 +26,9 @@ static float pdf_most(const pl_surface *surface, pl_vec3f wo) {
   return pl_cosine_hemisphere_pdf(1.0f);
 }
 
-static bool sample(const pl_surface *surface, pl_vec3f wo, const float u[2], float choice,
-                   pl_vec3f *wi, pl_vec3f *weight, float *density) {
+static bool sample(const pl_surface *surface, pl_vec3f wo, const float u[2], pl_vec3f *wi,
+                   pl_vec3f *weight, float *density) {
   (void)wo;
-  (void)choice;
   *wi = pl_sample_cosine_hemisphere(u[0], u[1]);
   *density = pl_cosine_hemisphere_pdf(wi->z);
   *weight = surface->color;

@@ -132,16 +132,17 @@ static float pdf_most(const pl_surface *s, pl_vec3f wo) {
   return v.chance * pl_ggx_pdf_most(v.alpha) + (1.0f - v.chance) * pl_cosine_hemisphere_pdf(1.0f);
 }
 
-static bool sample(const pl_surface *s, pl_vec3f wo, const float u[2], float choice, pl_vec3f *wi,
+static bool sample(const pl_surface *s, pl_vec3f wo, const float u[2], pl_vec3f *wi,
                    pl_vec3f *weight, float *density) {
   if (!(wo.z > 0.0f))
     return false;
   const view v = view_of(s, wo);
-  if (choice < v.chance) {
-    const pl_vec3f normal = pl_ggx_visible_normal(v.alpha, v.alpha, wo, u);
+  float r[2] = {u[0], u[1]};
+  if (pl_sample_choose(v.chance, &r[0])) {
+    const pl_vec3f normal = pl_ggx_visible_normal(v.alpha, v.alpha, wo, r);
     *wi = pl_vec3f_sub(pl_vec3f_scale(normal, 2.0f * pl_vec3f_dot(wo, normal)), wo);
   } else {
-    *wi = pl_sample_cosine_hemisphere(u[0], u[1]);
+    *wi = pl_sample_cosine_hemisphere(r[0], r[1]);
   }
   if (!(wi->z > 0.0f))
     return false;

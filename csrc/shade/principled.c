@@ -449,16 +449,17 @@ static float pdf(const pl_surface *s, pl_vec3f wo, pl_vec3f wi) {
   return density_of(&v, wo, wi);
 }
 
-/* Lobe that the random number `choice` selects. */
-static int choose(const view *v, float choice) {
+/* Lobe that a random number selects, which is stretched to what it is within the lobe's part. */
+static int choose(const view *v, float *u) {
   int last = MIRROR;
+  float left = 1.0f;
   for (int i = 0; i < CHOICES; i++) {
     if (!(v->chance[i] > 0.0f))
       continue;
-    if (choice < v->chance[i])
-      return i;
-    choice -= v->chance[i];
     last = i; /* chosen if rounding leaves a remainder */
+    if (v->chance[i] >= left || pl_sample_choose(v->chance[i] / left, u))
+      break;
+    left -= v->chance[i];
   }
   return last;
 }
@@ -483,13 +484,14 @@ static bool draw(const view *v, int chosen, pl_vec3f wo, const float u[2], pl_ve
   return true;
 }
 
-static bool sample(const pl_surface *s, pl_vec3f wo, const float u[2], float choice, pl_vec3f *wi,
+static bool sample(const pl_surface *s, pl_vec3f wo, const float u[2], pl_vec3f *wi,
                    pl_vec3f *weight, float *density) {
   if (!(wo.z > 0.0f))
     return false;
   const view v = view_of(s, wo);
-  const int chosen = choose(&v, choice);
-  if (!draw(&v, chosen, wo, u, wi))
+  float r[2] = {u[0], u[1]};
+  const int chosen = choose(&v, &r[0]);
+  if (!draw(&v, chosen, wo, r, wi))
     return false;
   *density = density_of(&v, wo, *wi);
   if (!(*density > 0.0f))

@@ -39,10 +39,10 @@ struct pl_reflectance {
   float (*pdf)(const pl_surface *surface, pl_vec3f wo, pl_vec3f wi);
   /* Upper bound of pdf over all wi, 1/sr; NULL: unknown. */
   float (*pdf_most)(const pl_surface *surface, pl_vec3f wo);
-  /* Samples wi from u in [0,1)^2 and a lobe choice in [0,1); false if the sample is below the
-   * horizon. *weight = evaluate / pdf. */
-  bool (*sample)(const pl_surface *surface, pl_vec3f wo, const float u[2], float choice,
-                 pl_vec3f *wi, pl_vec3f *weight, float *pdf);
+  /* Samples wi from u in [0,1)^2; false if the sample is below the horizon. *weight = evaluate /
+   * pdf. u[0] also chooses among lobes, see pl_sample_choose. */
+  bool (*sample)(const pl_surface *surface, pl_vec3f wo, const float u[2], pl_vec3f *wi,
+                 pl_vec3f *weight, float *pdf);
   /* Directional albedo towards wo under a uniform sky: radiance over pi times the sky's radiance.
    * NULL: light from the sky is treated as if it came from one direction. */
   pl_vec3f (*under_sky)(const pl_surface *surface, pl_vec3f wo);

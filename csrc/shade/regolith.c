@@ -106,14 +106,15 @@ float pl_regolith_pdf(const pl_surface *surface, pl_vec3f wo, pl_vec3f wi) {
   return BACK * back_pdf(wo, wi) + (1.0f - BACK) * rest;
 }
 
-bool pl_regolith_sample(const pl_surface *surface, pl_vec3f wo, const float u[2], float choice,
+bool pl_regolith_sample(const pl_surface *surface, pl_vec3f wo, const float u[2],
                         pl_regolith_law law, pl_vec3f *wi, pl_vec3f *weight, float *pdf) {
-  if (choice < BACK)
-    *wi = sample_back(wo, u);
-  else if (choice < BACK + (1.0f - BACK) * flat_part(wo))
-    *wi = pl_sample_cone(u[0], u[1], 1.0f);
+  float r[2] = {u[0], u[1]};
+  if (pl_sample_choose(BACK, &r[0]))
+    *wi = sample_back(wo, r);
+  else if (pl_sample_choose(flat_part(wo), &r[0]))
+    *wi = pl_sample_cone(r[0], r[1], 1.0f);
   else
-    *wi = pl_sample_cosine_hemisphere(u[0], u[1]);
+    *wi = pl_sample_cosine_hemisphere(r[0], r[1]);
   *pdf = pl_regolith_pdf(surface, wo, *wi);
   if (!(*pdf > 0.0f))
     return false;

@@ -42,7 +42,7 @@ pl_vec3f pl_regolith_evaluate(const pl_surface *surface, pl_vec3f wo, pl_vec3f w
 /* Sampling for all photometric models: a cosine lobe that becomes uniform towards grazing views, as
  * cos(i)/(cos(i) + cos(e)) does, and a backscattering lobe about the viewer. */
 float pl_regolith_pdf(const pl_surface *surface, pl_vec3f wo, pl_vec3f wi);
-bool pl_regolith_sample(const pl_surface *surface, pl_vec3f wo, const float u[2], float choice,
+bool pl_regolith_sample(const pl_surface *surface, pl_vec3f wo, const float u[2],
                         pl_regolith_law law, pl_vec3f *wi, pl_vec3f *weight, float *pdf);
 
 /* (1 + B_S0 B_S(g)) p(g), the phase-dependent factor of single scattering; and the same normalised
@@ -66,9 +66,9 @@ void pl_regolith_summarise(const pl_surface_inputs *in, struct pl_model_summary 
   static pl_vec3f evaluate(const pl_surface *surface, pl_vec3f wo, pl_vec3f wi) {                  \
     return pl_regolith_evaluate(surface, wo, wi, law);                                             \
   }                                                                                                \
-  static bool sample(const pl_surface *surface, pl_vec3f wo, const float u[2], float choice,       \
-                     pl_vec3f *wi, pl_vec3f *weight, float *pdf) {                                 \
-    return pl_regolith_sample(surface, wo, u, choice, law, wi, weight, pdf);                       \
+  static bool sample(const pl_surface *surface, pl_vec3f wo, const float u[2], pl_vec3f *wi,       \
+                     pl_vec3f *weight, float *pdf) {                                               \
+    return pl_regolith_sample(surface, wo, u, law, wi, weight, pdf);                               \
   }                                                                                                \
   const pl_reflectance pl_reflectance_##row = {.name = #row,                                       \
                                                .doc = text,                                        \

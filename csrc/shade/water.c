@@ -75,16 +75,17 @@ static float pdf(const pl_surface *s, pl_vec3f wo, pl_vec3f wi) {
   return density_of(s, wo, wi, pl_vec3f_unit(pl_vec3f_add(wo, wi)));
 }
 
-static bool sample(const pl_surface *s, pl_vec3f wo, const float u[2], float choice, pl_vec3f *wi,
+static bool sample(const pl_surface *s, pl_vec3f wo, const float u[2], pl_vec3f *wi,
                    pl_vec3f *weight, float *out) {
   if (!(wo.z > 0.0f))
     return false;
-  if (choice < glint_chance(s, wo)) {
+  float r[2] = {u[0], u[1]};
+  if (pl_sample_choose(glint_chance(s, wo), &r[0])) {
     const float alpha = pl_ggx_alpha(s->alpha);
-    const pl_vec3f normal = pl_ggx_visible_normal(alpha, alpha, wo, u);
+    const pl_vec3f normal = pl_ggx_visible_normal(alpha, alpha, wo, r);
     *wi = pl_vec3f_sub(pl_vec3f_scale(normal, 2.0f * pl_vec3f_dot(wo, normal)), wo);
   } else {
-    *wi = pl_sample_cosine_hemisphere(u[0], u[1]);
+    *wi = pl_sample_cosine_hemisphere(r[0], r[1]);
   }
   if (!(wi->z > 0.0f))
     return false;

@@ -139,8 +139,7 @@ static inline bool draw(const sight *seen, test_random *random, pl_vec3f *wi, pl
                         float *pdf) {
   const float u[2] = {(float)(0.99999994 * random_unit(random)),
                       (float)(0.99999994 * random_unit(random))};
-  const float choice = (float)(0.99999994 * random_unit(random));
-  return seen->model->sample(&seen->surface, seen->wo, u, choice, wi, weight, pdf);
+  return seen->model->sample(&seen->surface, seen->wo, u, wi, weight, pdf);
 }
 
 #endif

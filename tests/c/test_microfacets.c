@@ -112,15 +112,15 @@ static void by_row(const pl_surface *s, const metal *m, vec wo, cells *c) {
   const pl_vec3f o = {(float)wo.x, (float)wo.y, (float)wo.z};
   memset(c, 0, sizeof *c);
   for (int i = 0; i < DRAWS; i++) {
-    float u[3];
-    for (int k = 0; k < 3; k++)
+    float u[2];
+    for (int k = 0; k < 2; k++)
       u[k] = (float)(0.9999999 * random_unit(&random));
     /* Half of the draws by the cosine, as the row draws its broad lobe by its share alone. */
     pl_vec3f wi, weight;
     float pdf;
     if (i % 2 == 0)
       wi = pl_sample_cosine_hemisphere(u[0], u[1]);
-    else if (!s->reflectance->sample(s, o, u, u[2], &wi, &weight, &pdf))
+    else if (!s->reflectance->sample(s, o, u, &wi, &weight, &pdf))
       continue;
     const double density =
         0.5 * (double)s->reflectance->pdf(s, o, wi) + 0.5 * (double)pl_cosine_hemisphere_pdf(wi.z);

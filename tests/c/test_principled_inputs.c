@@ -194,7 +194,7 @@ static double albedo_of(const pl_surface *s, float cosine) {
     const float u[2] = {(float)random_unit(&random), (float)random_unit(&random)};
     pl_vec3f wi, weight;
     float pdf;
-    if (s->reflectance->sample(s, wo, u, (float)random_unit(&random), &wi, &weight, &pdf))
+    if (s->reflectance->sample(s, wo, u, &wi, &weight, &pdf))
       sum += (double)pl_vec3f_max(weight);
   }
   return sum / DRAWS;

@@ -158,11 +158,40 @@ static void test_srgb(void **state) {
   }
 }
 
+/* Of 256 samples a quarter takes the first way. Those of either way are in cells as all of them
+ * are: one or three in each, which a choice by a number of its own does not keep. */
+static void test_choice_keeps_strata(void **state) {
+  (void)state;
+  enum { SIDE = 8, COUNT = 4 * SIDE * SIDE };
+  for (uint32_t seed = 0; seed < 100; seed++) {
+    int below[SIDE][SIDE] = {{0}}, above[SIDE][SIDE] = {{0}};
+    for (uint32_t i = 0; i < COUNT; i++) {
+      float u[2];
+      pl_sample_2d(i, seed, 0, u);
+      int(*cells)[SIDE] = pl_sample_choose(0.25f, &u[0]) ? below : above;
+      assert_true(u[0] >= 0.0f && u[0] < 1.0f);
+      cells[(int)(SIDE * u[1])][(int)(SIDE * u[0])]++;
+    }
+    for (int k = 0; k < SIDE * SIDE; k++) {
+      assert_int_equal(below[k / SIDE][k % SIDE], 1);
+      assert_in_range(above[k / SIDE][k % SIDE], 1, 5);
+    }
+  }
+  float most = 0x1.fffffep-1f, same = 0.3f;
+  assert_true(!pl_sample_choose(0.7f, &most) && most < 1.0f);
+  assert_true(pl_sample_choose(1.0f, &same) && same == 0.3f);
+  assert_true(!pl_sample_choose(0.0f, &same) && same == 0.3f);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_disc), cmocka_unit_test(test_cosine_hemisphere),
-      cmocka_unit_test(test_cone), cmocka_unit_test(test_basis),
-      cmocka_unit_test(test_srgb), cmocka_unit_test(test_power_heuristic),
+      cmocka_unit_test(test_choice_keeps_strata),
+      cmocka_unit_test(test_disc),
+      cmocka_unit_test(test_cosine_hemisphere),
+      cmocka_unit_test(test_cone),
+      cmocka_unit_test(test_basis),
+      cmocka_unit_test(test_srgb),
+      cmocka_unit_test(test_power_heuristic),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
