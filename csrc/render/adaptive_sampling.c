@@ -250,20 +250,6 @@ static bool has_thin_medium(const pl_path_context *context, uint32_t pixel) {
   return false;
 }
 
-/* True if the sun's limb may cross the pixel. The disc is so bright that any part of it is visible.
- */
-static bool has_suns_limb(const pl_path_context *context, uint32_t pixel) {
-  if (!context->sun)
-    return false;
-  const pl_sun_view *sun = &context->camera_sun;
-  const int x = context->tile.x0 + (int)(pixel % PL_TILE_SIDE);
-  const int y = context->tile.y0 + (int)(pixel / PL_TILE_SIDE);
-  const pl_vec3 ray = pl_snapshot_ray(context->shot, x, y);
-  const pl_vec3 toward = pl_vec3f_to_double(sun->direction);
-  const double off = pl_vec3_norm(pl_vec3_cross(ray, toward));
-  return pl_vec3_dot(ray, toward) > 0.0 && fabs(off - (double)sun->sin_radius) < context->pixel_rad;
-}
-
 /* True if the centre ray of the pixel, or of a neighbour in the tile, meets nothing. */
 static bool sees_sky(const pl_path_context *context, const pl_tile_buffers *b, uint32_t pixel) {
   const int x = (int)(pixel % PL_TILE_SIDE), y = (int)(pixel / PL_TILE_SIDE);
@@ -279,7 +265,7 @@ void pl_path_keep_limb(const pl_path_context *context, pl_tile_buffers *b) {
   size_t kept = 0, meshes = 0;
   for (size_t i = 0; i < b->active_count; i++) {
     const uint32_t pixel = b->active[i];
-    if (has_suns_limb(context, pixel) && sees_sky(context, b, pixel))
+    if (pl_path_on_limb(context, pixel) && sees_sky(context, b, pixel))
       b->active[kept++] = pixel;
     if (i + 1 == b->active_meshes)
       meshes = kept;
@@ -291,7 +277,7 @@ void pl_path_keep_limb(const pl_path_context *context, pl_tile_buffers *b) {
 /* True if the pixel may contain something that the plan expects but a small number of samples may
  * miss. */
 static bool may_miss(const pl_path_context *context, const pl_tile_buffers *b, uint32_t pixel) {
-  return b->narrow[pixel] || has_thin_medium(context, pixel) || has_suns_limb(context, pixel);
+  return b->narrow[pixel] || has_thin_medium(context, pixel) || pl_path_on_limb(context, pixel);
 }
 
 void pl_path_drop_single(pl_tile_buffers *b) {
@@ -316,7 +302,7 @@ void pl_path_adapt(const pl_path_context *context, pl_tile_buffers *b) {
                        (n < outline && on_outline(context, b, pixel));
     if (early || !is_finished(context->settings, &moments, pixel, (float)n) ||
         (n < samples && may_miss(context, b, pixel)) ||
-        (has_suns_limb(context, pixel) && sees_sky(context, b, pixel)))
+        (pl_path_on_limb(context, pixel) && sees_sky(context, b, pixel)))
       b->active[kept++] = pixel;
     if (i + 1 == b->active_meshes)
       meshes = kept;

@@ -86,7 +86,7 @@ static void shade_miss(const pl_path_context *context, int bounce, const pl_path
     add(&b->sample[path->pixel], pl_vec3f_mul(path->throughput, b->backdrop[path->pixel]));
   if (!context->settings->effects.soft_sun && !isinf(path->pdf))
     return; /* a point sun is never hit by chance */
-  if (!near_sun(context, path))
+  if (!near_sun(context, path) || (isinf(path->pdf) && pl_path_limb_rays(context, path->pixel) > 0))
     return;
   const pl_sun_view sun = pl_sun_view_at(&context->shot->sun, path->beam.origin);
   const pl_vec3f direction = pl_vec3_to_float(path->beam.direction);
@@ -529,6 +529,7 @@ void pl_path_sample(const pl_path_context *context, uint32_t index, pl_tile_buff
                       false);
   }
   find_patches(context, count, b);
+  pl_path_see_limb(context, index, b);
   for (int bounce = 0; count > 0; bounce++) {
     count = shade_wave(context, index, bounce, count, b);
     if (count > 0)

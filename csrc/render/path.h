@@ -146,6 +146,12 @@ void pl_path_drop_single(pl_tile_buffers *buffers);
 /* Number of samples of a pixel that the sun's limb crosses, if noise is allowed at all: the disc is
  * so bright that a thousandth of it in a pixel is white. */
 enum { PL_SUN_LIMB_SAMPLES = 1024 };
+/* True if the sun's limb may cross the pixel. */
+bool pl_path_on_limb(const pl_path_context *context, uint32_t pixel);
+/* Number of rays with which each sample of a pixel looks for the sun; 0: its own does. */
+int pl_path_limb_rays(const pl_path_context *context, uint32_t pixel);
+/* Adds what these rays of sample `index` find, in all active pixels. */
+void pl_path_see_limb(const pl_path_context *context, uint32_t index, pl_tile_buffers *b);
 /* Removes all pixels from the active list but those in which the sun's limb may be seen. */
 void pl_path_keep_limb(const pl_path_context *context, pl_tile_buffers *buffers);
 

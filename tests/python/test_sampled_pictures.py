@@ -101,16 +101,27 @@ def test_the_suns_limb_is_seen_by_a_sensor_alone(tree):
     assert (seen[1][seen[0] > 250.0] > 250.0).all()
 
 
-def test_slivers_of_the_suns_limb_are_not_missed(tree):
+@pytest.mark.parametrize(
+    ("tolerance", "exposure_s"),
+    [
+        pytest.param(0.0, 0.0, id="exact"),
+        pytest.param(1.0, 0.0, id="adaptive"),
+        pytest.param(1.0, 4.0, id="blurred"),
+    ],
+)
+def test_slivers_of_the_suns_limb_are_not_missed(tree, tolerance, exposure_s):
     """Pixels of which the disc has a hundredth are white, and 16 samples meet it in some alone."""
     limb = copy.deepcopy(tree)
     limb["camera"] |= {"width": 96, "height": 72, "exposure": {"mode": "auto"}}
     toward_sun = {"distance_m": [12, 14], "sun_angle_deg": [164, 168]}
     limb["camera"]["trajectory"] = {"kind": "orbit_object", "target": "sat"} | toward_sun
+    limb["camera"]["exposure_time_s"] = exposure_s
     seen = []
     for samples in (1024, 16):
-        limb["render"] |= {"tolerance_dn": 1.0, "samples": samples, "max_bounces": 0}
+        limb["render"] |= {"tolerance_dn": tolerance, "samples": samples, "max_bounces": 0}
         limb["render"]["force_off"] = NOISELESS
-        seen.append(shown(perilune.open(limb).frame(0, ["raw"])["raw"]))
+        frame = perilune.open(limb).frame(0, ["raw"])
+        assert ("motion_blur" in frame.meta["effects"]) == (exposure_s > 0.0)
+        seen.append(shown(frame["raw"]))
     assert np.count_nonzero(seen[0] > 250.0) >= 6
     np.testing.assert_array_equal(seen[0] > 250.0, seen[1] > 250.0)

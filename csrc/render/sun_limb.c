@@ -1,0 +1,77 @@
+/* Where the sun's limb crosses a pixel, a thousandth of the disc is white, and fewer samples miss
+ * slivers of it. Where every pixel has the frame's samples, those of such pixels therefore look for
+ * the sun along more rays than their own, which do nothing else. */
+#include "light/sun.h"
+#include "render/path.h"
+
+bool pl_path_on_limb(const pl_path_context *context, uint32_t pixel) {
+  if (!context->sun)
+    return false;
+  const pl_sun_view *sun = &context->camera_sun;
+  const int x = context->tile.x0 + (int)(pixel % PL_TILE_SIDE);
+  const int y = context->tile.y0 + (int)(pixel / PL_TILE_SIDE);
+  const pl_vec3 ray = pl_snapshot_ray(context->shot, x, y);
+  const pl_vec3 toward = pl_vec3f_to_double(sun->direction);
+  const double off = pl_vec3_norm(pl_vec3_cross(ray, toward));
+  return pl_vec3_dot(ray, toward) > 0.0 && fabs(off - (double)sun->sin_radius) < context->pixel_rad;
+}
+
+int pl_path_limb_rays(const pl_path_context *context, uint32_t pixel) {
+  const int samples = context->settings->samples;
+  /* Adaptive frames have more samples there; a lens, air and media act on each path alone. */
+  if (context->filters_irradiance || !context->sharp || context->settings->air != NULL ||
+      context->settings->media != NULL || !pl_path_on_limb(context, pixel))
+    return 0;
+  return PL_SUN_LIMB_SAMPLES / samples > 1 ? PL_SUN_LIMB_SAMPLES / samples : 0;
+}
+
+/* Adds the light of the rays that nothing stops. */
+static void trace(const pl_path_context *context, size_t count, pl_tile_buffers *b) {
+  pl_tracer_occluded(context->tracer, b->shadow_rays, b->occluded, count, true);
+  for (size_t i = 0; i < count; i++)
+    if (!b->occluded[i]) {
+      pl_vec3f *sum = &b->sample[b->pending[i].pixel];
+      *sum = pl_vec3f_add(*sum, b->pending[i].radiance);
+    }
+}
+
+/* Queues the ray at a position of a pixel if it meets the disc. */
+static size_t look(const pl_path_context *context, uint32_t pixel, uint32_t index, int rays,
+                   size_t queued, pl_tile_buffers *b) {
+  const pl_sun_view *sun = &context->camera_sun;
+  const pl_limb *limb = context->settings->limb;
+  double offset[2];
+  pl_path_subpixel(index, rays * context->settings->samples, offset);
+  const int x = context->tile.x0 + (int)(pixel % PL_TILE_SIDE);
+  const int y = context->tile.y0 + (int)(pixel / PL_TILE_SIDE);
+  const double u = b->seeds[pixel] & 1u ? -offset[0] : offset[0];
+  const double v = b->seeds[pixel] & 2u ? -offset[1] : offset[1];
+  const pl_vec3 ray = pl_snapshot_ray(context->shot, x + u, y + v);
+  const pl_vec3f direction = pl_vec3_to_float(ray);
+  if (!pl_sun_covers(sun, direction))
+    return queued;
+  const float light = sun->radiance / (float)rays;
+  const pl_vec3f even = {light, light, light};
+  b->shadow_rays[queued] = (pl_ray){
+      .t_max = INFINITY, .direction = ray, .skip_body = PL_NO_BODY, .from_surface = PL_NO_SURFACE};
+  b->pending[queued] = (pl_pending){
+      .radiance = limb != NULL ? pl_vec3f_scale(pl_limb_ratio(limb, sun, direction), light) : even,
+      .pixel = pixel};
+  return queued + 1;
+}
+
+void pl_path_see_limb(const pl_path_context *context, uint32_t index, pl_tile_buffers *b) {
+  size_t queued = 0;
+  for (size_t i = 0; i < b->active_count && context->sun; i++) {
+    const uint32_t pixel = b->active[i];
+    const int rays = pl_path_limb_rays(context, pixel);
+    for (int k = 0; k < rays; k++) {
+      queued = look(context, pixel, index * (uint32_t)rays + (uint32_t)k, rays, queued, b);
+      if (queued == PL_TILE_SHADOWS) {
+        trace(context, queued, b);
+        queued = 0;
+      }
+    }
+  }
+  trace(context, queued, b);
+}
