@@ -1,4 +1,5 @@
-/* Labels of mesh objects: pose, bounding boxes, visible and amodal pixel counts. */
+/* Labels of objects, which are spacecraft and the bodies that ask for one: pose, bounding boxes,
+ * visible and amodal pixel counts. */
 #ifndef PL_ANNOTATE_OBJECT_LABEL_H
 #define PL_ANNOTATE_OBJECT_LABEL_H
 
@@ -35,11 +36,16 @@ typedef struct pl_extent {
 } pl_extent;
 #define PL_EXTENT_NONE ((pl_extent){INT32_MAX, INT32_MAX, INT32_MIN, INT32_MIN, 0})
 
-/* Adds the pixels of a tile; `extents` has one element per object with a label. */
-void pl_extent_add(pl_extent *extents, const pl_vertex *points, size_t stride, const int tile[4]);
+/* Value of `first_body` that leaves out all bodies. */
+#define PL_EXTENT_NO_BODIES SIZE_MAX
+/* Adds the pixels of a tile. `extents` has an element per slot (pl_shot_slot); `first_body` is the
+ * slot of the first body, whose ground has that of the body. */
+void pl_extent_add(pl_extent *extents, size_t first_body, const pl_vertex *points, size_t stride,
+                   const int tile[4]);
 void pl_extent_merge(pl_extent *into, const pl_extent *from);
 
-void pl_object_label_fill(const pl_snapshot *shot, const pl_shot_object *object,
-                          const pl_extent *extent, pl_object_label *out);
+/* `slot`: of a spacecraft, of a shape, whose label is that of its body, or of another body. */
+void pl_object_label_fill(const pl_snapshot *shot, size_t slot, const pl_extent *extent,
+                          pl_object_label *out);
 
 #endif

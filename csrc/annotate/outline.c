@@ -141,9 +141,9 @@ static void set_axes(const pl_snapshot *shot, const pl_shot_object *object, pl_o
 }
 
 /* With a margin for the rounding of the mesh. */
-static void set_depths(pl_outline *out) {
+static void set_depths(const float *low, const float *high, pl_outline *out) {
   pl_vec3 corners[8];
-  set_corners(out, out->model->bounds_min, out->model->bounds_max, corners);
+  set_corners(out, low, high, corners);
   out->z0_m = INFINITY;
   out->z1_m = -INFINITY;
   for (int k = 0; k < 8; k++) {
@@ -228,8 +228,9 @@ static pl_status refine_object(const pl_camera *camera, pl_cluster_cache *cache,
 }
 
 static void set_box(const pl_camera *camera, pl_outline *out) {
-  set_depths(out);
-  out->rect = pl_outline_project(out, camera, out->model->bounds_min, out->model->bounds_max);
+  const pl_model *model = out->model;
+  set_depths(model->bounds_min, model->bounds_max, out);
+  out->rect = pl_outline_project(out, camera, model->bounds_min, model->bounds_max);
 }
 
 /* Fills the outlines of the pieces of an articulated object that are present, and the outline that
@@ -263,6 +264,26 @@ size_t pl_outline_count(const pl_snapshot *shot) {
   return count;
 }
 
+/* Later objects are shapes of bodies; those without a label only occlude. */
+static bool has_label(const pl_snapshot *shot, size_t index) {
+  return index < shot->craft_count ||
+         shot->bodies[shot->objects[index].object->body].body->obj_id != 0;
+}
+
+pl_outline pl_outline_of_body(const pl_snapshot *shot, const pl_shot_body *body) {
+  static const float low[3] = {-1.0f, -1.0f, -1.0f}, high[3] = {1.0f, 1.0f, 1.0f};
+  const pl_mat3 m = pl_mat3_mul(pl_mat3_transpose(shot->camera_to_root), body->rotation);
+  const pl_vec3 r = body->state->radii_m;
+  const double room_m = body->outer_m - body->radius_m; /* of terrain */
+  const double size_m[3] = {r.x + room_m, r.y + room_m, r.z + room_m};
+  pl_outline out = {.origin = pl_mat3_mul_vec_t(shot->camera_to_root, body->center)};
+  for (int k = 0; k < 3; k++)
+    out.axes[k] = pl_vec3_scale(pl_mat3_transpose(m).row[k], size_m[k]);
+  set_depths(low, high, &out);
+  out.rect = pl_outline_project(&out, &shot->camera, low, high);
+  return out;
+}
+
 pl_status pl_outline_build(const pl_snapshot *shot, pl_cluster_cache *cache, pl_outline *outlines) {
   const size_t count = shot->object_count;
   pl_outline *next = outlines + count;
@@ -278,9 +299,8 @@ pl_status pl_outline_build(const pl_snapshot *shot, pl_cluster_cache *cache, pl_
   }
   for (size_t i = 0; i < count; i++)
     outlines[i].whole = is_whole(shot, i, outlines);
-  /* later objects are shapes of bodies: they only occlude */
-  for (size_t i = 0; i < shot->craft_count; i++)
-    if (!outlines[i].whole)
+  for (size_t i = 0; i < count; i++)
+    if (!outlines[i].whole && has_label(shot, i))
       PL_TRY(refine_object(&shot->camera, cache, &outlines[i]));
   for (size_t i = 0; i < count; i++)
     outlines[i].whole = is_whole(shot, i, outlines);

@@ -16,8 +16,9 @@ typedef struct pl_rect {
 /* Outline of an object, or of a piece of an articulated object. */
 typedef struct pl_outline pl_outline;
 struct pl_outline {
-  pl_rect rect;          /* rectangle of the canvas that it may cover */
-  const pl_model *model; /* borrowed: the model whose triangles lie in the clusters */
+  pl_rect rect; /* rectangle of the canvas that it may cover */
+  /* borrowed: the model whose triangles lie in the clusters; NULL for a body without a shape */
+  const pl_model *model;
   /* model axes in camera axes, m per model unit; not set for an articulated object */
   pl_vec3 axes[3];
   pl_vec3 origin;       /* model origin in camera axes, m */
@@ -46,6 +47,10 @@ static inline const pl_outline *pl_outline_pieces(const pl_outline *outline, siz
  * nearer than the object's farthest corner. Then neither the border of the image nor another object
  * or body can hide a pixel of it. An object that does not project on the canvas is whole too. */
 pl_status pl_outline_build(const pl_snapshot *shot, pl_cluster_cache *cache, pl_outline *outlines);
+
+/* Outline of a body without a shape: the rectangle of its bounding box. It has no clusters and is
+ * never whole. */
+pl_outline pl_outline_of_body(const pl_snapshot *shot, const pl_shot_body *body);
 
 /* Returns the rectangle of the canvas that a box in model units may cover. Boxes that enclose the
  * camera are allowed. */

@@ -26,7 +26,7 @@ void pl_seen_write(const pl_vertex *points, size_t stride, const int tile[4], in
 typedef struct search {
   const pl_silhouette_job *job;
   const pl_outline *outline;
-  pl_surface_id surface_id;
+  size_t slot;
   pl_rect box;        /* the outline's rectangle, and the visible pixels */
   int columns;        /* tiles per row */
   size_t cell_stride; /* cells per row, counted in whole tiles */
@@ -76,10 +76,12 @@ static void look(const search *search, const int tile[4], int x, int y, bool pos
   const int u = tile[0] + x, v = tile[1] + y;
   if (in_image(&shot->camera, u, v)) {
     const pl_seen *seen = &search->job->seen[(size_t)v * (size_t)shot->camera.width + (size_t)u];
-    if (pl_surface_same(seen->surface_id, search->surface_id))
+    if (pl_surface_is_none(seen->surface_id))
+      return;
+    const bool shows = pl_shot_slot(shot, seen->surface_id) == search->slot;
+    if (shows)
       add_pixel(search, u, v, into);
-    if (pl_surface_same(seen->surface_id, search->surface_id) ||
-        pl_surface_is_none(seen->surface_id) || seen->range_m > search->outline->far_m)
+    if (shows || seen->range_m > search->outline->far_m)
       return;
   }
   if (!possible)
@@ -182,10 +184,10 @@ static void mark_box(const search *search, const pl_outline *piece, const pl_clu
 
 /* Marks the cells where the object may project. */
 static void mark_cells(const search *search, int rows) {
-  const int depth = 6;
+  const int depth = 6, anywhere = search->outline->model == NULL && search->outline->pieces == NULL;
   size_t count;
   const pl_outline *pieces = pl_outline_pieces(search->outline, &count);
-  memset(search->job->cells, 0, search->cell_stride * (size_t)(rows * TILE_CELLS));
+  memset(search->job->cells, anywhere, search->cell_stride * (size_t)(rows * TILE_CELLS));
   for (size_t k = 0; k < count && !search->outline->whole; k++)
     for (size_t i = 0; i < pieces[k].clusters.count; i++)
       mark_box(search, &pieces[k], &pieces[k].clusters.boxes[i], depth);
@@ -200,9 +202,9 @@ static pl_silhouette from_extent(const pl_extent *extent) {
   return out;
 }
 
-static search search_of(const pl_silhouette_job *job, size_t index, const pl_outline *outline,
+static search search_of(const pl_silhouette_job *job, size_t slot, const pl_outline *outline,
                         const pl_extent *extent) {
-  search search = {.job = job, .outline = outline, .surface_id = job->shot->objects[index].id};
+  search search = {.job = job, .outline = outline, .slot = slot};
   pl_extent box = *extent;
   if (!outline->whole) {
     const pl_rect r = outline->rect;
@@ -214,20 +216,32 @@ static search search_of(const pl_silhouette_job *job, size_t index, const pl_out
   return search;
 }
 
-pl_status pl_silhouette_find(const pl_silhouette_job *job, size_t index, const pl_outline *outline,
+/* Nowhere on the canvas. */
+static bool is_nowhere(const pl_outline *outline, const pl_extent *extent) {
+  return extent->count == 0 && outline->rect.x0 > outline->rect.x1;
+}
+
+static pl_status choose_thing(const pl_silhouette_job *job, size_t slot) {
+  const pl_snapshot *shot = job->shot;
+  return slot < shot->object_count
+             ? pl_solo_set(job->solo, &shot->objects[slot])
+             : pl_solo_set_body(job->solo, &shot->bodies[slot - shot->object_count]);
+}
+
+pl_status pl_silhouette_find(const pl_silhouette_job *job, size_t slot, const pl_outline *outline,
                              const pl_extent *extent, uint8_t *mask, pl_silhouette *out) {
-  if (outline->whole && (mask == NULL || extent->count == 0)) {
+  if (is_nowhere(outline, extent) || (outline->whole && (mask == NULL || extent->count == 0))) {
     *out = from_extent(extent);
     return PL_OK;
   }
-  search search = search_of(job, index, outline, extent);
+  search search = search_of(job, slot, outline, extent);
   search.mask = mask;
   const int rows = (search.box.y1 - search.box.y0 + TILE) / TILE;
   for (int i = 0; i < job->threads; i++)
     job->workers[i] = nothing;
   mark_cells(&search, rows);
   if (!outline->whole)
-    PL_TRY(pl_solo_set(job->solo, &job->shot->objects[index]));
+    PL_TRY(choose_thing(job, slot));
   PL_TRY(pl_parallel_for(job->threads, (size_t)search.columns * (size_t)rows, search_tile, &search,
                          job->cancel));
   *out = nothing;

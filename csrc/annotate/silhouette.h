@@ -41,17 +41,18 @@ size_t pl_silhouette_cells(const pl_camera *camera);
 typedef struct pl_silhouette_job {
   const pl_snapshot *shot;
   const pl_seen *seen;    /* the whole image */
-  pl_solo *solo;          /* its object is changed by the search */
+  pl_solo *solo;          /* what it casts at is changed by the search */
   uint8_t *cells;         /* scratch memory, size from pl_silhouette_cells */
   pl_silhouette *workers; /* scratch memory, one per thread */
   int threads;
   pl_cancel *cancel; /* may be NULL */
 } pl_silhouette_job;
 
-/* Finds the silhouette of object `index`. `extent` is that of its visible pixels. `mask` is NULL,
+/* Finds the silhouette of the thing in a slot (pl_shot_slot): an object, or a body without a shape,
+ * with its ground. `extent` is that of its visible pixels. `mask` is NULL,
  * or a height x width image of zeros that becomes 1 on the silhouette. The result does not depend
  * on the number of threads. */
-pl_status pl_silhouette_find(const pl_silhouette_job *job, size_t index, const pl_outline *outline,
+pl_status pl_silhouette_find(const pl_silhouette_job *job, size_t slot, const pl_outline *outline,
                              const pl_extent *extent, uint8_t *mask, pl_silhouette *out);
 
 /* Sets bbox_obj, px_count_all, px_count_valid and visib_fract of a label whose visible part is

@@ -41,7 +41,7 @@ typedef struct pl_frame_request {
   uint16_t *raw;       /* digital numbers of the sensor: 1 per pixel, or one per plane */
   uint8_t *sensor_rgb; /* 3 per pixel: the sensor's image as displayed */
   void *channels[PL_FRAME_CHANNELS_MAX]; /* indexed as pl_channels */
-  pl_object_label *objects;              /* one per object of the scene */
+  pl_object_label *objects;              /* pl_scene_label_count elements */
   /* one image per object: 1 on its full silhouette, including occluded parts, else 0 */
   uint8_t *masks;
   pl_ground_settings ground; /* of channels of the ground */

@@ -21,6 +21,18 @@ static pl_status take(pl_arena *arena, size_t count, size_t size, void **out) {
   return *out != NULL ? PL_OK : pl_fail(PL_E_MEMORY, "out of memory for object labels");
 }
 
+/* Slots that extents have. */
+static size_t slots_of(const pl_snapshot *shot) { return shot->object_count + shot->body_count; }
+
+/* Whether a body has a label. */
+static bool has_label(const pl_shot_body *body) { return body->body->obj_id != 0; }
+
+/* Slot of the surface of a body. */
+static size_t slot_of_body(const pl_snapshot *shot, size_t body) {
+  const pl_shot_object *shape = shot->bodies[body].shape;
+  return shape != NULL ? pl_surface_index(shape->id) : shot->object_count + body;
+}
+
 static size_t pixels_of(const pl_snapshot *shot) {
   return (size_t)shot->camera.width * (size_t)shot->camera.height;
 }
@@ -30,7 +42,7 @@ static pl_status prepare_silhouettes(pl_label_tools *tools, pl_arena *arena, pl_
   PL_TRY(take(arena, pl_outline_count(out->shot), sizeof(pl_outline), &memory));
   out->outlines = memory;
   PL_TRY(pl_outline_build(out->shot, &tools->clusters, out->outlines));
-  bool needed = out->request->masks != NULL;
+  bool needed = out->request->masks != NULL || out->first_body != PL_EXTENT_NO_BODIES;
   for (size_t i = 0; i < out->shot->craft_count; i++)
     needed |= !out->outlines[i].whole;
   if (!needed)
@@ -59,8 +71,11 @@ static pl_status prepare_ground(pl_arena *arena, pl_labels *out) {
 pl_status pl_labels_prepare(const pl_frame_request *request, const pl_snapshot *shot,
                             pl_label_tools *tools, pl_arena *arena, pl_labels *out) {
   void *memory;
-  const size_t extents = (size_t)request->threads * shot->craft_count;
-  *out = (pl_labels){.request = request, .shot = shot};
+  const size_t extents = (size_t)request->threads * slots_of(shot);
+  *out = (pl_labels){.request = request, .shot = shot, .first_body = PL_EXTENT_NO_BODIES};
+  for (size_t i = 0; i < shot->body_count; i++)
+    if (has_label(&shot->bodies[i]))
+      out->first_body = shot->object_count;
   PL_TRY(prepare_ground(arena, out));
   if (request->objects == NULL && request->masks == NULL)
     return PL_OK;
@@ -73,7 +88,7 @@ pl_status pl_labels_prepare(const pl_frame_request *request, const pl_snapshot *
 
 void pl_labels_tile(const pl_labels *labels, const pl_snapshot *shot, const pl_tile_result *result,
                     int worker) {
-  const size_t count = labels->shot->craft_count;
+  const size_t count = slots_of(labels->shot);
   const int tile[4] = {result->tile.x0, result->tile.y0, result->tile.width, result->tile.height};
   if (labels->ground.points != NULL)
     pl_ground_map_take(&labels->ground, shot, result->points, PL_TILE_SIDE, tile);
@@ -82,31 +97,50 @@ void pl_labels_tile(const pl_labels *labels, const pl_snapshot *shot, const pl_t
   if (labels->seen != NULL)
     pl_seen_write(result->points, PL_TILE_SIDE, tile, labels->shot->camera.width, labels->seen);
   if (labels->extents != NULL && !result->empty)
-    pl_extent_add(labels->extents + (size_t)worker * count, result->points, PL_TILE_SIDE, tile);
+    pl_extent_add(labels->extents + (size_t)worker * count, labels->first_body, result->points,
+                  PL_TILE_SIDE, tile);
 }
 
-static pl_status find_silhouette(const pl_labels *labels, const pl_silhouette_job *job,
-                                 size_t index, const pl_extent *extent) {
+static pl_status find_silhouette(const pl_labels *labels, const pl_silhouette_job *job, size_t slot,
+                                 size_t row, const pl_extent *extent) {
   const pl_frame_request *request = labels->request;
-  const size_t pixels = pixels_of(labels->shot);
-  uint8_t *mask = request->masks != NULL ? request->masks + index * pixels : NULL;
+  const pl_snapshot *shot = labels->shot;
+  const size_t pixels = pixels_of(shot);
+  const bool mesh = slot < shot->object_count;
+  const pl_outline of_body =
+      mesh ? (pl_outline){0} : pl_outline_of_body(shot, &shot->bodies[slot - shot->object_count]);
+  const pl_outline *outline = mesh ? &labels->outlines[slot] : &of_body;
+  uint8_t *mask = request->masks != NULL ? request->masks + row * pixels : NULL;
   pl_silhouette silhouette;
   if (mask != NULL)
     memset(mask, 0, pixels);
-  PL_TRY(pl_silhouette_find(job, index, &labels->outlines[index], extent, mask, &silhouette));
+  PL_TRY(pl_silhouette_find(job, slot, outline, extent, mask, &silhouette));
   if (request->objects != NULL && request->amodal)
-    pl_silhouette_label(&silhouette, &request->objects[index]);
+    pl_silhouette_label(&silhouette, &request->objects[row]);
   return PL_OK;
 }
 
-static pl_status label_object(const pl_labels *labels, const pl_silhouette_job *job, size_t index) {
+/* `slot`: of the thing; `row`: of its label. */
+static pl_status label_thing(const pl_labels *labels, const pl_silhouette_job *job, size_t slot,
+                             size_t row) {
   const pl_snapshot *shot = labels->shot;
   pl_extent extent = PL_EXTENT_NONE;
   for (size_t w = 0; w < (size_t)labels->request->threads; w++)
-    pl_extent_merge(&extent, &labels->extents[w * shot->craft_count + index]);
+    pl_extent_merge(&extent, &labels->extents[w * slots_of(shot) + slot]);
   if (labels->request->objects != NULL)
-    pl_object_label_fill(shot, &shot->objects[index], &extent, &labels->request->objects[index]);
-  return labels->outlines != NULL ? find_silhouette(labels, job, index, &extent) : PL_OK;
+    pl_object_label_fill(shot, slot, &extent, &labels->request->objects[row]);
+  return labels->outlines != NULL ? find_silhouette(labels, job, slot, row, &extent) : PL_OK;
+}
+
+static pl_status label_things(const pl_labels *labels, const pl_silhouette_job *job) {
+  const pl_snapshot *shot = labels->shot;
+  size_t row = 0;
+  for (; row < shot->craft_count; row++)
+    PL_TRY(label_thing(labels, job, row, row));
+  for (size_t i = 0; i < shot->body_count; i++)
+    if (has_label(&shot->bodies[i]))
+      PL_TRY(label_thing(labels, job, slot_of_body(shot, i), row++));
+  return PL_OK;
 }
 
 static pl_status write_ground_rows(void *context, size_t item, int worker) {
@@ -147,7 +181,5 @@ pl_status pl_labels_finish(const pl_labels *labels, pl_accelerators *kept, pl_la
       .threads = threads,
       .cancel = labels->request->cancel,
   };
-  for (size_t i = 0; i < labels->shot->craft_count; i++)
-    PL_TRY(label_object(labels, &job, i));
-  return PL_OK;
+  return label_things(labels, &job);
 }

@@ -13,7 +13,8 @@
 typedef struct pl_labels {
   const pl_frame_request *request;
   const pl_snapshot *shot;
-  pl_extent *extents;   /* workers x objects: for object labels or masks */
+  pl_extent *extents;   /* workers x slots (pl_shot_slot): for object labels or masks */
+  size_t first_body;    /* slot of the first body; PL_EXTENT_NO_BODIES if none has a label */
   pl_outline *outlines; /* per object, then per piece: for amodal labels or masks */
   pl_seen *seen;        /* whole image: for masks, or when an object may be occluded or cut off */
   pl_ground_map ground; /* of channels that need one; without points: none does */

@@ -119,7 +119,7 @@ static int set_output(const char *name, PyObject *array, const pl_scene *scene,
   const pl_camera *camera = &request->placement.camera;
   if (strcmp(name, "objects") == 0) {
     request->objects =
-        row_data(array, name, scene->craft_count, sizeof(pl_object_label), "OBJECT_LABEL");
+        row_data(array, name, pl_scene_label_count(scene), sizeof(pl_object_label), "OBJECT_LABEL");
     return request->objects != NULL ? 0 : -1;
   }
   if (strcmp(name, "keypoints") == 0) {
@@ -128,7 +128,8 @@ static int set_output(const char *name, PyObject *array, const pl_scene *scene,
     return request->keypoint_labels != NULL ? 0 : -1;
   }
   if (strcmp(name, "masks") == 0)
-    return (request->masks = mask_data(array, scene->craft_count, camera)) != NULL ? 0 : -1;
+    return (request->masks = mask_data(array, pl_scene_label_count(scene), camera)) != NULL ? 0
+                                                                                            : -1;
   for (size_t i = 0; i < COLOUR_CHANNELS; i++)
     if (strcmp(colour_channels[i].name, name) == 0)
       return set_colour(i,

@@ -199,29 +199,14 @@ static int parse_areas(PyObject *given, int count, PyObject *kept, PyArrayObject
   return 0;
 }
 
-static char *body_names[] = {"name",
-                             "map",
-                             "map_center_lon_rad",
-                             "reflectance",
-                             "instance_id",
-                             "part_id",
-                             "class_ids",
-                             "regolith_map",
-                             "air",
-                             "shape",
-                             "rings",
-                             "cloud_map",
-                             "ground",
-                             "geodetic",
-                             "geodetic_clouds",
-                             "dressed",
-                             "terrain",
-                             "cells_per_pixel",
-                             "finest_cell_m",
-                             "ground_labels",
-                             "crater_criteria",
-                             "areas",
-                             NULL};
+static char *body_names[] = {"name",          "map",           "map_center_lon_rad",
+                             "reflectance",   "instance_id",   "part_id",
+                             "class_ids",     "regolith_map",  "air",
+                             "shape",         "rings",         "cloud_map",
+                             "ground",        "geodetic",      "geodetic_clouds",
+                             "dressed",       "terrain",       "cells_per_pixel",
+                             "finest_cell_m", "ground_labels", "crater_criteria",
+                             "areas",         "obj_id",        NULL};
 
 static PyObject *add_body(scene_object *self, PyObject *args, PyObject *kwargs) {
   PyObject *classes, *ground_labels = Py_None, *areas = Py_None, *ground = Py_None;
@@ -232,12 +217,12 @@ static PyObject *add_body(scene_object *self, PyObject *args, PyObject *kwargs) 
   int geodetic = 0, geodetic_clouds = 0, dressed = 0;
   pl_body body = {.cells_per_pixel = 1.0, .finest_cell_m = 0.01, .craters = PL_CRATER_CRITERIA};
   if (!PyArg_ParseTupleAndKeywords(
-          args, kwargs, "sOdsiiOOO|$OOOOpppOddO(ddd)O:add_body", body_names, &name, &in.map,
+          args, kwargs, "sOdsiiOOO|$OOOOpppOddO(ddd)Oi:add_body", body_names, &name, &in.map,
           &body.map_center_lon_rad, &reflectance, &body.instance_id, &body.part_id, &classes,
           &in.regolith, &in.air, &in.shape, &in.rings, &in.cloud_map, &ground, &geodetic,
           &geodetic_clouds, &dressed, &in.terrain, &body.cells_per_pixel, &body.finest_cell_m,
           &ground_labels, &body.craters.least_px, &body.craters.least_depth,
-          &body.craters.least_kept, &areas))
+          &body.craters.least_kept, &areas, &body.obj_id))
     return NULL;
   body.dressed = dressed != 0 && in.shape != Py_None;
   body.geodetic = geodetic != 0;

@@ -298,6 +298,13 @@ static pl_status check_areas(const pl_body *body) {
   return body->area_map.count > 0 ? pl_area_map_check(&body->area_map, body->areas.count) : PL_OK;
 }
 
+size_t pl_scene_label_count(const pl_scene *scene) {
+  size_t count = scene->craft_count;
+  for (size_t i = 0; i < scene->body_count; i++)
+    count += scene->bodies[i].obj_id != 0 ? 1 : 0;
+  return count;
+}
+
 pl_status pl_scene_add_body(pl_scene *scene, const pl_body *body) {
   pl_body *grown = pl_realloc(scene->bodies, scene->body_count + 1, sizeof *grown);
   if (grown == NULL)

@@ -85,6 +85,7 @@ typedef struct pl_body {
   const pl_rings *rings;             /* borrowed, NULL for none: in the body's xy plane */
   pl_ground ground; /* for a body without a graph; open water only with Lambert reflectance */
   int32_t instance_id, part_id;
+  int32_t obj_id; /* of its model; 0: the body has no object label */
   uint16_t class_ids[PL_LEVELS_MAX];
   /* Areas of the surface with parts of their own, as the map numbers them from 1 on; what is in
    * none has part_id and class_ids. The arrays of `areas` are copied into `parts`. */
@@ -102,9 +103,8 @@ typedef struct pl_body {
 
 typedef struct pl_scene {
   int levels;
-  pl_object *objects; /* owned: the objects that were added, then the shapes of bodies */
-  /* number of objects that were added; they have placements and labels of their own */
-  size_t craft_count;
+  pl_object *objects;  /* owned: the objects that were added, then the shapes of bodies */
+  size_t craft_count;  /* number of objects that were added; they have placements of their own */
   size_t object_count; /* including shapes of bodies */
   pl_body *bodies;     /* owned */
   size_t body_count;
@@ -140,6 +140,8 @@ static inline size_t pl_object_parameter_count(const pl_object *object) {
 static inline size_t pl_body_parameter_count(const pl_body *body) {
   return body->graph != NULL ? pl_graph_parameter_count(body->graph) : 0;
 }
+/* Number of object labels: of all objects that were added, then of the bodies with an obj_id. */
+size_t pl_scene_label_count(const pl_scene *scene);
 /* Number of moving nodes of an object. */
 static inline size_t pl_object_mover_count(const pl_object *object) {
   return object->cut != NULL ? object->cut->count - 1 : 0;

@@ -215,7 +215,7 @@ pl_status pl_accelerator_place(pl_accelerators *kept, const pl_shot_object *obje
 }
 
 /* Rays in the axes of the body, relative to the origin of the field. */
-static void place_field(const pl_shot_body *body, size_t index, pl_instance *out) {
+void pl_accelerator_place_field(const pl_shot_body *body, size_t index, pl_instance *out) {
   const pl_vec3 origin =
       pl_vec3_add(body->center, pl_mat3_mul_vec(body->rotation, body->field->origin));
   *out = (pl_instance){.scene = body->field->scene,
@@ -265,7 +265,7 @@ static pl_status place_fields(pl_accelerators *kept, const pl_snapshot *shot, pl
   (void)kept, (void)kind;
   for (size_t i = 0; i < shot->body_count; i++)
     if (shot->bodies[i].field != NULL)
-      place_field(&shot->bodies[i], i, &out[(*count)++]);
+      pl_accelerator_place_field(&shot->bodies[i], i, &out[(*count)++]);
   return PL_OK;
 }
 

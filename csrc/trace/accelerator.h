@@ -46,5 +46,7 @@ size_t pl_accelerator_count(const pl_shot_object *object);
 /* Places the instances that are present in `out` and their number in *count. */
 pl_status pl_accelerator_place(pl_accelerators *kept, const pl_shot_object *object,
                                pl_instance *out, size_t *count);
+/* Places the terrain of body `index`, which has a field. */
+void pl_accelerator_place_field(const pl_shot_body *body, size_t index, pl_instance *out);
 
 #endif

@@ -1,7 +1,8 @@
-/* Traces one object alone: only its instances are placed. */
+/* Traces one object or body alone: only its instances are placed. */
 #include "trace/solo.h"
 
 #include "base/memory.h"
+#include "geom/ellipsoid.h"
 #include "scene/graph_point.h"
 #include "trace/accelerator.h"
 
@@ -10,6 +11,8 @@ struct pl_solo {
   pl_instance *instances; /* owned; room for the largest number so far */
   size_t room, count;
   const pl_shot_object *object; /* the object that is placed; NULL if no graph cuts holes into it */
+  const pl_shot_body *body;     /* NULL for an object */
+  double inner_m; /* rays that meet this sphere about the centre of the terrain meet it; 0: none */
 };
 
 pl_status pl_solo_create(pl_accelerators *kept, pl_solo **out) {
@@ -28,8 +31,7 @@ void pl_solo_destroy(pl_solo *solo) {
   pl_free(solo);
 }
 
-pl_status pl_solo_set(pl_solo *solo, const pl_shot_object *object) {
-  const size_t count = pl_accelerator_count(object);
+static pl_status make_room(pl_solo *solo, size_t count) {
   if (count > solo->room) {
     pl_instance *grown = pl_realloc(solo->instances, count, sizeof *grown);
     if (grown == NULL)
@@ -37,8 +39,34 @@ pl_status pl_solo_set(pl_solo *solo, const pl_shot_object *object) {
     solo->instances = grown;
     solo->room = count;
   }
+  return PL_OK;
+}
+
+pl_status pl_solo_set(pl_solo *solo, const pl_shot_object *object) {
+  PL_TRY(make_room(solo, pl_accelerator_count(object)));
+  solo->body = NULL;
   solo->object = pl_object_cuts(object->object) ? object : NULL;
   return pl_accelerator_place(solo->kept, object, solo->instances, &solo->count);
+}
+
+/* Radius of a sphere that lies below all ground. */
+static double inner_m(const pl_shot_body *body) {
+  const pl_vec3 r = body->state->radii_m;
+  double low_m, high_m;
+  pl_terrain_bounds(body->body->terrain, &low_m, &high_m);
+  return fmax(fmin(r.x, fmin(r.y, r.z)) + fmin(low_m, 0.0), 0.0);
+}
+
+pl_status pl_solo_set_body(pl_solo *solo, const pl_shot_body *body) {
+  const bool ground = body->field != NULL;
+  PL_TRY(make_room(solo, 1));
+  solo->object = NULL;
+  solo->body = body;
+  solo->count = ground ? 1 : 0;
+  solo->inner_m = ground ? inner_m(body) : 0.0;
+  if (ground)
+    pl_accelerator_place_field(body, 0, &solo->instances[0]);
+  return PL_OK;
 }
 
 typedef struct hole_query {
@@ -107,14 +135,31 @@ static void cast_at(const pl_solo *solo, const pl_instance *instance, const pl_v
     }
 }
 
+/* Whether a ray from the camera meets the ellipsoid, or a sphere below all ground. */
+static bool meets_body(const pl_solo *solo, pl_vec3 direction) {
+  const pl_shot_body *body = solo->body;
+  double t;
+  if (solo->count == 0)
+    return pl_unit_sphere_intersect(body->camera_unit, pl_mat3_mul_vec(body->to_unit, direction),
+                                    0.0, &t);
+  const double along = pl_vec3_dot(body->center, direction);
+  const double square = pl_vec3_dot(body->center, body->center);
+  return along > 0.0 && square - along * along < solo->inner_m * solo->inner_m;
+}
+
 static void cast_packet(const pl_solo *solo, const pl_vec3 *directions, bool *hits, size_t count) {
-  pl_ray rays[PL_PACKET];
+  pl_ray rays[PL_PACKET] = {0};
   pl_packet packet;
   for (size_t i = 0; i < count; i++) {
     rays[i] = (pl_ray){.direction = directions[i], .t_max = INFINITY};
     hits[i] = false;
   }
   pl_packet_fill(&packet, rays, count);
+  for (size_t i = 0; i < count && solo->body != NULL; i++)
+    if (meets_body(solo, directions[i])) {
+      hits[i] = true;
+      packet.limit[i] = -1.0;
+    }
   for (size_t k = 0; k < solo->count; k++) {
     const pl_instance *instance = &solo->instances[k];
     pl_entry entry;

@@ -1,4 +1,4 @@
-/* Traces rays against a single object and ignores all others. */
+/* Traces rays against a single object or body and ignores all others. */
 #ifndef PL_TRACE_SOLO_H
 #define PL_TRACE_SOLO_H
 
@@ -13,9 +13,13 @@ void pl_solo_destroy(pl_solo *solo); /* NULL is allowed */
 /* Selects the object to test, even if culling dropped it from its snapshot. */
 pl_status pl_solo_set(pl_solo *solo, const pl_shot_object *object);
 
-/* Sets hits[i] if the ray from the camera along unit direction i (root axes) meets the object.
- * Thread-safe. Neighbouring directions form packets, with the same transformation and filters as in
- * pl_tracer_closest, so that rounding agrees. */
+/* The same for a body without a shape: its ellipsoid in closed form, or its terrain with rocks, as
+ * far as the frame has any. */
+pl_status pl_solo_set_body(pl_solo *solo, const pl_shot_body *body);
+
+/* Sets hits[i] if the ray from the camera along unit direction i (root axes) meets what is
+ * selected. Thread-safe. Neighbouring directions form packets, with the same transformation and
+ * filters as in pl_tracer_closest, so that rounding agrees. */
 void pl_solo_cast(const pl_solo *solo, const pl_vec3 *directions, bool *hits, size_t count);
 
 #endif

@@ -382,7 +382,8 @@ class Scene:
         cells_per_pixel: float = 1.0, finest_cell_m: float = 0.01,
         ground_labels: tuple[int, int, int] | None = None,
         crater_criteria: tuple[float, float, float] = ...,
-        areas: tuple[tuple[Raster, ...], NDArray[np.int32], NDArray[np.uint16]] | None = None
+        areas: tuple[tuple[Raster, ...], NDArray[np.int32], NDArray[np.uint16]] | None = None,
+        obj_id: int = 0
     ) -> int:
         """An ellipsoid, or a shape in metres and body axes instead; returns its index. class_ids:
         (levels,). regolith_map: 27 channels, w, b, c, B_C0, h_C, B_S0, h_S, roughness in radians
@@ -398,7 +399,7 @@ class Scene:
         share that younger ones left, from which on craters are labelled. areas: of the surface,
         with parts of their own: rasters of bytes, from the lowest to the uppermost, which number
         them from 1 on (0: none, or what the raster below says); part ids (areas,); class ids
-        (areas, levels)."""
+        (areas, levels). obj_id: of its object label; 0: it has none."""
     def add_object(
         self, *, name: str, model: Model, offset: F64, obj_id: int, instance_id: int, part_ids:
         NDArray[np.int32], class_ids: NDArray[np.uint16], triangle_part: NDArray[np.uint32] | None =

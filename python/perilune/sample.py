@@ -83,8 +83,8 @@ class Sample(Mapping[str, Array]):
 
     @property
     def objects(self) -> Array:
-        """Labels of the spacecraft as a structured array, one row each in the order of the
-        configuration.
+        """Labels of the spacecraft, then of the bodies with `annotate`, as a structured array, one
+        row each in the order of the configuration.
 
         The rows of `sample["masks"]` have the same order."""
         if self._objects is None:

@@ -193,6 +193,12 @@ class Simulation(RangeSensors, Costed):
         return self._mine().models
 
     @property
+    def obj_ids(self) -> Mapping[str, int]:
+        """Spacecraft or body with `annotate` -> id of its model in BOP, in the order of
+        `Sample.objects`."""
+        return self._mine().obj_ids
+
+    @property
     def keypoint_names(self) -> Mapping[str, tuple[str, ...]]:
         """Spacecraft or body -> names of its keypoints or landmarks, in the order of
         `Sample.keypoints`; without those that have none."""

@@ -333,7 +333,7 @@ static void bench_init(bench *b, const stage *s) {
       point.surface_id = hit.surface_id;
       point.t = hit.t;
       pl_seen_write(&point, 1, pixel, WIDTH, b->seen);
-      pl_extent_add(b->extents, &point, 1, pixel);
+      pl_extent_add(b->extents, PL_EXTENT_NO_BODIES, &point, 1, pixel);
     }
   pl_cluster_cache_init(&b->clusters);
   assert_int_equal(pl_outline_build(&b->shot, &b->clusters, b->outlines), PL_OK);

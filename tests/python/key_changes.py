@@ -75,6 +75,8 @@ KEYS = {
     ("Terrain", "roughness_baseline_m"): LIGHT,
     ("Body", "class"): rule("names"),
     ("Body", "areas"): rule("ids names"),
+    ("Body", "annotate"): rule("objects"),
+    ("Body", "obj_id"): rule("objects"),
     ("Shape", "smooth"): LIGHT,
     ("Body", "landmarks"): rule("keypoints"),
     ("Spacecraft", "keypoints"): rule("keypoints"),

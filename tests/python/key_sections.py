@@ -215,6 +215,8 @@ THINGS = [
     ),
     Section(Body, AT_BODY, BODY, {"classes": {"origin": "found"}}, {"labels.levels": ["origin"]}),
     Section(Body, AT_BODY, BODY, {"areas": [AREAS]}),
+    Section(Body, AT_BODY, BODY, {"annotate": True}),
+    Section(Body, AT_BODY, {**BODY, "annotate": True}, {"obj_id": 7}),
     Section(Clouds, (*AT_BODY, "clouds"), {"map": MAP}, {"latitudes": "geodetic"}),
     Section(
         Shape,

@@ -22,6 +22,11 @@ _SAMPLE_COUNT = 65536
 """Values used to find percentiles: enough for a picture, and bounded for large images."""
 
 
+def srgb(linear: F64) -> F64:
+    """sRGB's encoding of linear values from 0 to 1 (IEC 61966-2-1)."""
+    return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
+
+
 def oklab_to_srgb(lab: F64) -> U8:
     """Oklab (..., 3) to 8-bit sRGB, clipped to the gamut.
 
@@ -40,8 +45,7 @@ def oklab_to_srgb(lab: F64) -> U8:
         ],
         axis=-1,
     ).clip(0.0, 1.0)
-    # IEC 61966-2-1.
-    encoded = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
+    encoded = srgb(linear)
     return np.rint(encoded * 255.0).astype(np.uint8)
 
 

@@ -20,7 +20,16 @@ from perilune.config.photometry import Photometry
 from perilune.config.rings import Rings
 from perilune.config.shape import Shape, named
 from perilune.config.terrain import Terrain
-from perilune.config.types import FileName, Latitudes, Positive, Rgb, StaticFinite, Strict, triple
+from perilune.config.types import (
+    FileName,
+    Integer,
+    Latitudes,
+    Positive,
+    Rgb,
+    StaticFinite,
+    Strict,
+    triple,
+)
 
 # In kilometres what the core's floats hold, 1e-9 to 1e18 m.
 _Radius = Annotated[float, Field(strict=True, ge=1e-12, le=1e15)]
@@ -110,6 +119,12 @@ class Body(Strict):
     """Rasters that name areas of the surface, for labels: sea, ice, a mare; from coarse to fine."""
     landmarks: dict[PointName, Landmark] = Field(default_factory=dict)
     """Name -> place on its ground; its image is a keypoint."""
+    annotate: Annotated[bool, Field(strict=True)] = False
+    """Whether it is an object as spacecraft are: with pose, boxes, masks and visible fraction in
+    `objects` and `masks`, a model in BOP, and its place in all formats of objects."""
+    obj_id: Annotated[Integer, Field(ge=1)] | None = None
+    """Object id in BOP; only with annotate. Default: the smallest free one after those of
+    spacecraft."""
 
     @property
     def is_geodetic(self) -> bool:
@@ -223,6 +238,12 @@ class Body(Strict):
         names = {name for raster in self.areas for name in raster.classes}
         if len(names) > AREAS_MAX:
             fail("areas", f"{len(names)} names of areas; at most {AREAS_MAX}")
+        return self
+
+    @model_validator(mode="after")
+    def _id_of_object(self) -> Body:
+        if self.obj_id is not None and not self.annotate:
+            fail("obj_id", "only with annotate: true")
         return self
 
     @model_validator(mode="after")

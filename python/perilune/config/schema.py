@@ -511,6 +511,13 @@ class Config(Strict):
     drivers: Drivers = Drivers.of_defaults()
 
     @property
+    def objects(self) -> tuple[str, ...]:
+        """Names of all that has object labels, in their order: spacecraft, then the bodies with
+        `annotate`."""
+        bodies = [name for name, body in self.bodies.items() if body.annotate]
+        return (*self.spacecraft, *bodies)
+
+    @property
     def timeline(self) -> Timeline:
         """Step, scene and sensor of each frame; independent of what drivers draw."""
         intervals = {name: sensor.trigger_interval for name, sensor in self.sensors.items()}

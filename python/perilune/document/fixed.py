@@ -21,6 +21,8 @@ def _of_body(body: Body) -> dict[str, Any]:
         "class": body.class_,
         "classes": body.classes,
         "areas": body.areas,
+        "annotate": body.annotate,
+        "obj_id": body.obj_id,
         "map_center_lon_deg": body.map_center_lon_deg,
         "orbit.kind": _orbit(body),
     }

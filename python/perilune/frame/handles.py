@@ -116,7 +116,7 @@ def reach_units(model: _core.Model, offset: F64) -> float:
 
 
 def _obj_ids(config: Config) -> dict[str, int]:
-    """Given ids; the others get the smallest free numbers from 1, in order."""
+    """Given ids; the others get the smallest free numbers from 1 on, bodies after spacecraft."""
     stated = {n: c.obj_id for n, c in config.spacecraft.items() if c.obj_id is not None}
     first: dict[int, str] = {}
     for name, number in stated.items():
@@ -128,10 +128,19 @@ def _obj_ids(config: Config) -> dict[str, int]:
                 f"spacecraft.{name}.obj_id = {number}: {other} has it too, but another model or "
                 "size; one id stands for one model"
             )
+    for name, body in config.bodies.items():
+        if body.annotate and body.obj_id is not None:
+            other = first.setdefault(body.obj_id, name)
+            if other != name:
+                raise ConfigError(
+                    f"bodies.{name}.obj_id = {body.obj_id}: {other} has it too; one id stands for "
+                    "one model"
+                )
+            stated[name] = body.obj_id
     used = set(stated.values())
-    free = (number for number in range(1, len(used) + len(config.spacecraft) + 1))
+    free = (number for number in range(1, len(used) + len(config.objects) + 1))
     unused = (number for number in free if number not in used)
-    return {name: stated[name] if name in stated else next(unused) for name in config.spacecraft}
+    return {name: stated[name] if name in stated else next(unused) for name in config.objects}
 
 
 class FrameLock:
@@ -198,10 +207,14 @@ class Handles:
         self._stage_keys: Same[StageKey] = Same()
 
     @cached_property
+    def obj_ids(self) -> Mapping[str, int]:
+        """Spacecraft or annotated body -> id of its model in BOP, in the order of the objects."""
+        return _obj_ids(self.document.config)
+
+    @cached_property
     def models(self) -> Mapping[str, ObjectModel]:
         """Spacecraft entry -> its model, in the order of the configuration."""
-        config = self.document.config
-        ids = _obj_ids(config)
+        config, ids = self.document.config, self.obj_ids
         files = self.assets.models
         result: dict[str, ObjectModel] = {}
         reaches: dict[tuple[int, bytes], float] = {}
@@ -522,6 +535,7 @@ class Handles:
                 ground_labels=scene_labels.ground_labels(labels, body),
                 crater_criteria=scene_labels.crater_criteria(self.document.config.labels.craters),
                 areas=scene_labels.areas(self.document, name, labels, self.assets.areas, self.tell),
+                obj_id=self.obj_ids.get(name, 0),
             )
 
     def _add_crafts(self, scene: _core.Scene) -> None:

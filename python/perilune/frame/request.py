@@ -213,10 +213,10 @@ def _channels() -> dict[str, tuple[int, np.dtype[Any]]]:
 def channel_layout(config: Config, name: str) -> tuple[tuple[int, ...], np.dtype[Any]]:
     """Shape and dtype of a channel's array."""
     if name == OBJECTS:
-        return (len(config.spacecraft),), object_dtype()
+        return (len(config.objects),), object_dtype()
     if name == MASKS:
         size = (config.camera.height, config.camera.width)
-        return (len(config.spacecraft), *size), np.dtype(np.uint8)
+        return (len(config.objects), *size), np.dtype(np.uint8)
     count, dtype = _channels()[name]
     if name == "raw" and bands.has_planes(config.camera):
         count = bands.count(config.camera)

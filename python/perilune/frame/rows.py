@@ -30,10 +30,10 @@ def row_poses(
 ) -> list[dict[str, Any]]:
     """Poses of some rows in the middle of their exposure; empty for a global shutter.
 
-    Each entry: row; R_w2c (3, 3), t_w2c (3,) m; objects: spacecraft -> {R_m2c (3, 3), t_m2c (3,) m,
-    articulation: node -> motion (4, 4) as in Sample.meta}. Between two entries, interpolate
-    positions linearly and rotations by the shorter arc, in camera axes. The first and the last row
-    are included."""
+    Each entry: row; R_w2c (3, 3), t_w2c (3,) m; objects: spacecraft or annotated body -> {R_m2c (3,
+    3), t_m2c (3,) m, articulation: node -> motion (4, 4) as in Sample.meta}. Between two entries,
+    interpolate positions linearly and rotations by the shorter arc, in camera axes. The first and
+    the last row are included."""
     motion = request["motion"]
     if motion is None or not any(row["name"] == EFFECT and row["on"] for row in plan):
         return []
@@ -86,6 +86,14 @@ def _at(keys: F64, key: float) -> F64:
     return between(keys[first : first + 2], key - first)
 
 
+def _placed(pose: F64, camera: F64, R_w2c: F64) -> dict[str, Any]:
+    """A pose (7,) of the root frame in camera axes."""
+    return {
+        "R_m2c": R_w2c @ rotations.to_matrix(pose[3:]),
+        "t_m2c": R_w2c @ (pose[:3] - camera[:3]),
+    }
+
+
 def _entry(
     config: Config,
     motion: Mapping[str, Any],
@@ -101,10 +109,7 @@ def _entry(
     objects, used = {}, 0
     for k, name in enumerate(config.spacecraft):
         pose = _at(motion["objects"][k], key)
-        row: dict[str, Any] = {
-            "R_m2c": R_w2c @ rotations.to_matrix(pose[3:]),
-            "t_m2c": R_w2c @ (pose[:3] - camera[:3]),
-        }
+        row = _placed(pose, camera, R_w2c)
         if name in rigs:
             rig = rigs[name]
             moved = now[used : used + len(rig.nodes)]
@@ -113,4 +118,8 @@ def _entry(
             )
             used += len(rig.nodes)
         objects[name] = row
+    for k, name in enumerate(config.bodies):
+        if name in config.objects:
+            pose = _at(motion["bodies"][k], key)
+            objects[name] = _placed(pose, camera, R_w2c)
     return {"R_w2c": R_w2c, "t_w2c": -R_w2c @ camera[:3], "objects": objects}

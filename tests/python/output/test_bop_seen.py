@@ -180,4 +180,4 @@ def test_a_body_alone_has_depth_and_is_told(small_scene, tmp_path, caplog):
     assert (truth > 0).any()
     np.testing.assert_allclose(depth, truth, atol=0.51 * scale)
     assert check_bop(out).findings == []
-    assert "There is no spacecraft" in (out / "dataset_info.md").read_text()
+    assert "There is no object" in (out / "dataset_info.md").read_text()

@@ -199,6 +199,8 @@ class ModelInfo(Exact):
     """Number of faces, the last of the file, of which alpha leaves only a part."""
     triangles_left_out: Count = 0
     """Number of triangles that alpha removes completely, which are not written as faces."""
+    surface: Literal["ellipsoid", "shape", "terrain"] | None = None
+    """What a body is: of an ellipsoid the model has points, of terrain it is coarse."""
 
 
 class EvalInfo(ModelInfo):

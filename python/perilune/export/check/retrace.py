@@ -23,6 +23,7 @@ _M_PER_MM = 1e-3
 _CAMERA = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]
 _SUN_M = [0.0, 0.0, -1.5e11]
 """Behind the camera; labels need no light."""
+ELLIPSOID, TERRAIN = "ellipsoid", "terrain"
 _KEPT = 16
 """Number of scenes to cache; most datasets need one."""
 
@@ -58,6 +59,23 @@ class Shapes:
     def is_cut(self, poses: Sequence[Pose]) -> bool:
         """Whether alpha cuts faces of one of the instances in part."""
         return any(self.infos[pose.obj_id].faces_cut_in_part for pose in poses)
+
+    def is_body(self, pose: Pose) -> bool:
+        """Whether an instance is a body."""
+        return pose.obj_id in self.infos and self.infos[pose.obj_id].surface is not None
+
+    def is_smooth(self, pose: Pose) -> bool:
+        """Whether it is an ellipsoid, which rays meet in closed form."""
+        return pose.obj_id in self.infos and self.infos[pose.obj_id].surface == ELLIPSOID
+
+    def is_coarse(self, pose: Pose) -> bool:
+        """Whether its model is only about what is seen."""
+        return pose.obj_id in self.infos and self.infos[pose.obj_id].surface == TERRAIN
+
+    def radii_m(self, pose: Pose) -> F64:
+        """(3,): semi-axes of an ellipsoid, half of its model's box."""
+        info = self.infos[pose.obj_id]
+        return 0.5 * _M_PER_MM * np.array([info.size_x, info.size_y, info.size_z])
 
     def why_not(self, poses: Sequence[Pose]) -> str | None:
         """Reason why the poses cannot be traced."""
@@ -101,6 +119,9 @@ class Tracer:
 
     def trace(self, K: F64, poses: Sequence[Pose], cut: bool = True) -> Traced:
         """cut: include the faces of which alpha leaves only a part, as if opaque."""
+        smooth = [self.shapes.is_smooth(pose) for pose in poses]
+        order = np.argsort(smooth, kind="stable")  # meshes, then ellipsoids
+        back = np.argsort(order)
         width, height = self.size
         count = len(poses)
         out: dict[str, NDArray[Any]] = {
@@ -109,12 +130,16 @@ class Tracer:
             "masks": np.empty((count, height, width), dtype=np.uint8),
             "objects": np.empty(count, dtype=object_dtype()),
         }
-        request = _request(K, self.size, poses)
+        meshes = [poses[k] for k in order if not smooth[k]]
+        bodies = [poses[k] for k in order if smooth[k]]
+        request = _request(K, self.size, meshes, bodies)
+        request["body_radii"] = np.array([self.shapes.radii_m(p) for p in bodies]).reshape(-1, 3)
         if any(pose.rows for pose in poses):
-            request["motion"] = _rolling(poses, height)
+            request["motion"] = _rolling(meshes, bodies, height)
         self._renderer(poses, cut).render(request, out, 1)
         depth_mm = out["depth"].astype(np.float64) / _M_PER_MM
-        return Traced(out["masks"] != 0, out["instance"] - 1, depth_mm, out["objects"])
+        masks = out["masks"][back] != 0
+        return Traced(masks, out["instance"] - 1, depth_mm, out["objects"][back])
 
     def _renderer(self, poses: Sequence[Pose], cut: bool) -> _core.Renderer:
         moving = any(pose.articulation for pose in poses)
@@ -124,6 +149,9 @@ class Tracer:
         scene = _core.Scene(1)
         models: dict[int, _core.Model] = {}
         for k, pose in enumerate(poses):
+            if self.shapes.is_smooth(pose):
+                _add_ellipsoid(scene, k, pose)
+                continue
             if pose.articulation or pose.obj_id not in models:
                 points, faces = self.shapes.of(pose, cut)
                 models[pose.obj_id] = _core.Model.of_mesh(
@@ -149,31 +177,59 @@ class Tracer:
         return renderer
 
 
-def _rolling(poses: Sequence[Pose], height: int) -> dict[str, Any]:
-    """Keys at every row; if their number is even, also between rows."""
-    places = np.linspace(0.0, height - 1.0, height if height % 2 else 2 * height - 1)
-    objects = np.empty((len(poses), len(places), 7))
+def _add_ellipsoid(scene: _core.Scene, k: int, pose: Pose) -> None:
+    """Instance k as a body."""
+    scene.add_body(
+        name=str(k),
+        map=None,
+        map_center_lon_rad=0.0,
+        reflectance="lambert",
+        instance_id=k + 1,
+        part_id=1,
+        class_ids=np.ones(1, dtype=np.uint16),
+        regolith_map=None,
+        air=None,
+        obj_id=max(pose.obj_id, 1),
+    )
+
+
+def _keys(poses: Sequence[Pose], places: F64) -> F64:
+    """(poses, places, 7): poses at rows."""
+    found = np.empty((len(poses), len(places), 7))
     for k, pose in enumerate(poses):
         R, t = rows.at_rows(pose, places)
-        objects[k, :, :3] = _M_PER_MM * t
-        objects[k, :, 3:] = [rotations.from_matrix(matrix) for matrix in R]
+        found[k, :, :3] = _M_PER_MM * t
+        found[k, :, 3:] = [rotations.from_matrix(matrix) for matrix in R]
+    return found
+
+
+def _rolling(meshes: Sequence[Pose], bodies: Sequence[Pose], height: int) -> dict[str, Any]:
+    """Keys at every row; if their number is even, also between rows."""
+    places = np.linspace(0.0, height - 1.0, height if height % 2 else 2 * height - 1)
     return {
         "times": (0.0, 1.0, False),
         "camera": np.tile(_CAMERA, (len(places), 1)),
-        "objects": objects,
-        "bodies": np.empty((0, len(places), 7)),
+        "objects": _keys(meshes, places),
+        "bodies": _keys(bodies, places),
         "sun": np.tile(_SUN_M, (len(places), 1)),
         "movers": np.empty((len(places), 0, 3, 4)),
     }
 
 
-def _request(K: F64, size: tuple[int, int], poses: Sequence[Pose]) -> _core.FrameRequest:
-    """Request for a pinhole camera at the origin, whose axes the poses refer to."""
-    objects = np.empty((len(poses), 2, 7))
+def _placed(poses: Sequence[Pose]) -> F64:
+    """(poses, 2, 7) in the axes of the camera."""
+    found = np.empty((len(poses), 2, 7))
     for k, pose in enumerate(poses):
-        objects[k, :, :3] = np.multiply(pose.cam_t_m2c, _M_PER_MM)
-        objects[k, :, 3:] = rotations.from_matrix(np.reshape(pose.cam_R_m2c, (3, 3)))
-    none = np.empty((0, 3))
+        found[k, :, :3] = np.multiply(pose.cam_t_m2c, _M_PER_MM)
+        found[k, :, 3:] = rotations.from_matrix(np.reshape(pose.cam_R_m2c, (3, 3)))
+    return found
+
+
+def _request(
+    K: F64, size: tuple[int, int], meshes: Sequence[Pose], bodies: Sequence[Pose]
+) -> _core.FrameRequest:
+    """Request for a pinhole camera at the origin, whose axes the poses refer to."""
+    none = np.zeros((len(bodies), 3))
     return {
         "seed": 0,
         "index": 0,
@@ -181,9 +237,9 @@ def _request(K: F64, size: tuple[int, int], poses: Sequence[Pose]) -> _core.Fram
         "height": size[1],
         "K": K,
         "camera_pose": np.tile(_CAMERA, (2, 1)),
-        "object_poses": objects,
-        "object_scale": np.full(len(poses), _M_PER_MM),
-        "body_poses": np.empty((0, 2, 7)),
+        "object_poses": _placed(meshes),
+        "object_scale": np.full(len(meshes), _M_PER_MM),
+        "body_poses": _placed(bodies),
         "body_radii": none,
         "body_albedo": none,
         "body_emission": none,

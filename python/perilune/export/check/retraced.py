@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from perilune.export.check.records import Info, Pose
 from perilune.export.check.retrace import Traced, Tracer
-from perilune.export.writers.bop_files import GT_FILE, INFO_FILE, SceneFolder
+from perilune.export.writers.bop_files import GT_FILE, INFO_FILE, LARGEST_DEPTH, SceneFolder
 
 F64 = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -46,13 +46,15 @@ class RetracedImage:
         im_id: int,
         poses: Sequence[Pose],
         infos: Sequence[Info],
+        numbers: Sequence[int],
     ) -> None:
-        """need: records faults: (holds, file, reason)."""
+        """need: records faults: (holds, file, reason). numbers: of the instances."""
         self.need = need
         self.scene = scene
         self.im_id = im_id
         self.poses = poses
         self.infos = infos
+        self.numbers = numbers
 
     def compare(
         self,
@@ -73,13 +75,13 @@ class RetracedImage:
             edge = outline(whole.masks[k])
             few = FEW + int(OF_OUTLINE * edge)
             self._mask(k, masks[k], whole.masks[k], least.masks[k], few)
-            self._front(k, visible[k], whole, least, few, depth_mm)
+            self._front(k, visible[k], whole, least, few, depth_mm, LARGEST_DEPTH * step_mm)
             self._counts(k, whole.rows[k], least.rows[k], edge, least is whole)
             if depth_mm is not None and least is whole:
                 self._depth(k, visible[k] & (whole.front == k), whole.depth_mm, depth_mm, step_mm)
 
     def _mask(self, k: int, mask: Mask, most: Mask, least: Mask, few: int) -> None:
-        path = self.scene.mask(self.im_id, k)
+        path = self.scene.mask(self.im_id, self.numbers[k])
         more, fewer = int(np.count_nonzero(mask & ~most)), int(np.count_nonzero(least & ~mask))
         reason = (
             f"{more} pixels more and {fewer} fewer than rays meet of the model in the pose of "
@@ -88,18 +90,26 @@ class RetracedImage:
         self.need(more + fewer <= few, path, reason)
 
     def _front(
-        self, k: int, seen: Mask, whole: Traced, least: Traced, few: int, depth_mm: F64 | None
+        self,
+        k: int,
+        seen: Mask,
+        whole: Traced,
+        least: Traced,
+        few: int,
+        depth_mm: F64 | None,
+        farthest_mm: float,
     ) -> None:
         """An instance is visible where rays hit it first, unless a body is in front."""
-        path = self.scene.mask_visib(self.im_id, k)
+        path = self.scene.mask_visib(self.im_id, self.numbers[k])
         behind = int(np.count_nonzero(seen & (whole.front != k) & ~self._maybe(k, whole, least)))
         reason = f"at {behind} pixels rays meet another instance or none first; {few} may differ"
         self.need(behind <= few, path, reason)
         if depth_mm is None:
             return
         unseen = ~seen & (least.front == k)
-        # What hides it is nearer, and no farther than depth goes.
+        # What hides it is nearer. Beyond spacecraft depth may end before it.
         hidden = (depth_mm > 0.0) & (depth_mm < least.depth_mm * (1.0 + _DEPTH))
+        hidden |= (depth_mm == 0.0) & (least.depth_mm > farthest_mm)
         lost = int(np.count_nonzero(unseen & ~hidden))
         reason = (
             f"{lost} pixels fewer than rays meet of the instance, and by depth/ nothing is in "
@@ -114,7 +124,11 @@ class RetracedImage:
 
     def _counts(self, k: int, most: Any, least: Any, edge: int, sure: bool) -> None:
         """Counts of the whole silhouette, also outside the image and for hidden instances."""
-        path, info, who = self.scene.folder / INFO_FILE, self.infos[k], f"instance {k}"
+        path, info, who = (
+            self.scene.folder / INFO_FILE,
+            self.infos[k],
+            f"instance {self.numbers[k]}",
+        )
         high, low = int(most["px_count_all"]), int(least["px_count_all"])
         box = [int(value) for value in most["bbox_obj"]]
         few = FEW + int(OF_OUTLINE * max(edge, 2 * (box[2] + box[3])))
@@ -134,11 +148,12 @@ class RetracedImage:
 
     def _depth(self, k: int, where: Mask, traced: F64, found: F64, step_mm: float) -> None:
         path = self.scene.depth(self.im_id)
+        where = where & (found > 0.0)  # bodies may be farther than depth goes
         off = np.abs(found[where] - traced[where])
         wrong = off > 0.51 * step_mm + _DEPTH * traced[where]
         count, few = int(np.count_nonzero(wrong)), FEW + int(_OF_DEPTHS * off.size)
         reason = (
-            f"instance {k}: at {count} of {off.size} visible pixels up to "
+            f"instance {self.numbers[k]}: at {count} of {off.size} visible pixels up to "
             f"{float(off.max(initial=0.0)):.3g} mm off the model in the pose of {GT_FILE}; "
             f"{few} may be"
         )

@@ -24,8 +24,8 @@ from perilune.export.writers.bop_files import (
     MM_PER_M,
     Record,
     SceneFolder,
-    depth_scale_mm,
     encode_depth,
+    scale_of,
 )
 from perilune.export.writers.bop_finish import finish, reopen
 from perilune.export.writers.bop_labels import CocoHeader, Mask, annotation, info_entry
@@ -166,6 +166,7 @@ def write_image(
     im_id: int,
     sample: Sample,
     names: Sequence[str],
+    crafts: int,
     origins_m: Mapping[int, F64],
     pictures: Mapping[str, str],
     channels: Mapping[str, ChannelFiles],
@@ -174,14 +175,11 @@ def write_image(
 ) -> Record:
     """Writes the files of one frame into its scene folder, its record last.
 
-    names: spacecraft in the order of the sample's objects. pictures: folder -> channel. channels:
-    channels written in addition to BOP's. tables: those among them that are tables. keypoints:
-    whether they are written."""
+    names: objects in the order of the sample's; the first `crafts` are spacecraft. pictures: folder
+    -> channel. channels: channels written in addition to BOP's. tables: those among them that are
+    tables. keypoints: whether they are written."""
     depth_m, instance = sample["depth"], sample["instance"]
-    annotated = np.isin(instance, sample.objects["instance_id"])
-    # Where no object is seen, depth is that of all that is.
-    measured_m = depth_m[annotated] if annotated.any() else depth_m
-    scale_mm = depth_scale_mm(float(measured_m.max(initial=0.0)) * MM_PER_M)
+    scale_mm = scale_of(depth_m, instance, sample.objects["instance_id"], crafts)
     depth = encode_depth(depth_m, scale_mm)
     for name, channel in pictures.items():
         _core.png_write(str(folder.picture(im_id, name)), sample[channel], PNG_LEVEL)
@@ -263,14 +261,16 @@ class Job:
     ) -> Record:
         """Writes the files of one frame into its scene folder, its record last. tables: those of
         the frame, if known."""
-        names = list(self.sim.config.spacecraft)
+        names = list(self.sim.config.objects)
         if tables is None:
             tables = tables_of(self.sim, sample, self.tables)
+        crafts = len(self.sim.config.spacecraft)
         return write_image(
             folder,
             im_id,
             sample,
             names,
+            crafts,
             self.origins_m,
             self.pictures,
             self.beside,
@@ -336,8 +336,8 @@ def _write_source(
     models = bop_models(sim)
     if not models:
         _log.warning(
-            "%s: spacecraft: there is none, so the dataset has no model, pose, mask or annotation; "
-            "depth is that of the bodies",
+            "%s: spacecraft: there is none, and no body with annotate: true, so the dataset has no "
+            "model, pose, mask or annotation; depth is that of the bodies",
             sim.document.source,
         )
     info = dataset_info(sim, chunk_size, split)

@@ -105,7 +105,7 @@ def _object_lines(found: Summary) -> Iterable[str]:
 
 def _model_lines(models: Mapping[str, Mapping[str, Any]], parts: bool) -> list[str]:
     if not models:
-        return ["There is no spacecraft: no model, pose or mask."]
+        return ["There is no object: no model, pose or mask."]
     lines = [_MODELS, ""]
     keys = ("faces_one_sided", "faces_cut_in_part", "triangles_left_out")
     if any(row.get(key) for row in models.values() for key in keys):
@@ -126,7 +126,7 @@ def card(
     found: Summary,
 ) -> str:
     """The text. info, camera, models: the dataset's JSON files; parts: whether some parts move."""
-    empty = [f"* images in which no spacecraft is seen: {found.empty}"] if found.empty else []
+    empty = [f"* images in which no object is seen: {found.empty}"] if found.empty else []
     lines = [
         f"# {info['dataset_name']}",
         "",
@@ -151,9 +151,9 @@ def card(
         *([_ROLLING, ""] if info.get("rolling_shutter") else []),
         f"Configuration `{info['config_name']}` (SHA-256 of its content "
         f"{info['config_sha256']}; `{CONFIG_FILE}` has it whole), seed {info['seed']}; "
-        f"`{SOURCE_FILE}` holds versions and the hashes of models and maps. Planets are no "
-        "annotated objects. Depth is that of everything seen up to the farthest annotated surface, "
-        "and beyond it may be 0; in images without an annotated surface it is that of all that is "
-        "seen. Labels are those of the ray through a pixel's centre.",
+        f"`{SOURCE_FILE}` holds versions and the hashes of models and maps. Bodies are annotated "
+        "where the configuration says so. Depth is that of everything seen up to the farthest "
+        "spacecraft, and beyond it may be 0; in images without one it is that of the annotated "
+        "bodies, or else of all that is seen. Labels are those of the ray through a pixel's centre.",
     ]
     return "\n".join(lines) + "\n"

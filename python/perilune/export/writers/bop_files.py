@@ -63,6 +63,20 @@ def depth_scale_mm(z_max_mm: float) -> float:
         exponent += 1
 
 
+def scale_of(
+    depth_m: NDArray[np.floating], instance: NDArray[np.integer], ids: NDArray[Any], crafts: int
+) -> float:
+    """The depth scale of an image: of the spacecraft that are seen; where there is none, of the
+    bodies among the objects; and else of all that is seen.
+
+    ids: of the objects in `instance`; the first `crafts` are spacecraft."""
+    for own in (ids[:crafts], ids[crafts:]):
+        annotated = np.isin(instance, own)
+        if annotated.any():
+            return depth_scale_mm(float(depth_m[annotated].max(initial=0.0)) * MM_PER_M)
+    return depth_scale_mm(float(depth_m.max(initial=0.0)) * MM_PER_M)
+
+
 def encode_depth(depth_m: NDArray[np.floating], scale_mm: float) -> NDArray[np.uint16]:
     """Depth in steps of the scale; 0 where there is none, or beyond the last step."""
     steps = np.rint(depth_m.astype(np.float64) * (MM_PER_M / scale_mm))

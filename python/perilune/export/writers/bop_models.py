@@ -27,8 +27,12 @@ _VERTEX = np.dtype(
     [(name, "<f4") for name in ("x", "y", "z", "nx", "ny", "nz")]
     + [(name, "u1") for name in ("red", "green", "blue")]
 )
+DOUBLE = np.dtype(
+    [(name, "<f8" if name in "xyz" else _VERTEX[name].str) for name in _VERTEX.names or ()]
+)
+"""Vertices of models that reach far beyond their details."""
 _FACE = np.dtype([("count", "u1"), ("vertex_indices", "<i4", (3,))])
-_PLY_TYPE = {"f4": "float", "u1": "uchar"}
+_PLY_TYPE = {"f8": "double", "f4": "float", "u1": "uchar"}
 """Old names of types; the toolkit's reader does not know float32 and uint8."""
 
 
@@ -52,13 +56,13 @@ class BopModel:
     part at the end, and none that alpha removes."""
 
     obj_id: int
-    vertices: NDArray[Any]  # of _VERTEX, mm
+    vertices: NDArray[Any]  # of _VERTEX or DOUBLE, mm
     faces: NDArray[np.int32]  # (F, 3)
     center_m: F64  # (3,), the origin in the object's frame, metres
     symmetries_discrete: Sequence[tuple[F64, F64]]  # rotation (3, 3), about a point (3,), m, there
     symmetries_continuous: Sequence[tuple[F64, F64]]  # axis, offset in the object's frame (m)
-    counts: Mapping[str, int]
-    """Keys of models_info.json in addition to BOP's: numbers of special faces."""
+    counts: Mapping[str, int | str]
+    """Keys of models_info.json in addition to BOP's: numbers of special faces; what a body is."""
     nodes: Sequence[tuple[str, ...]] = ()
     """Chains of moving nodes, nearest first; empty if nothing moves."""
     face_nodes: NDArray[np.int64] | None = None  # (F,), index into `nodes`
@@ -130,11 +134,13 @@ def bop_model(
     metres_per_unit: float,
     symmetries_discrete: Sequence[tuple[F64, F64]] = (),
     symmetries_continuous: Sequence[tuple[F64, F64]] = (),
+    dtype: np.dtype[Any] | None = None,
 ) -> BopModel:
     """Converts a mesh in model units to a BOP model.
 
     A model point p is at metres_per_unit * (p - offset) in the object's frame. BOP's origin is the
-    centre of the bounding box of the vertices of faces, at `center_m` in the object's frame."""
+    centre of the bounding box of the vertices of faces, at `center_m` in the object's frame.
+    dtype: of a vertex."""
     corners, triangles, counts = _faces(mesh["indices"].astype(np.int64), surfaces)
     used, faces = np.unique(corners, return_inverse=True)
     if used.size == 0:
@@ -142,7 +148,7 @@ def bop_model(
     positions = mesh["positions"][used].astype(np.float64)
     center = 0.5 * (positions.min(axis=0) + positions.max(axis=0))
     positions_mm = (positions - center) * (metres_per_unit * MM_PER_M)
-    vertices = np.zeros(used.size, dtype=_VERTEX)
+    vertices = np.zeros(used.size, dtype=dtype or _VERTEX)
     for axis in range(3):
         vertices["xyz"[axis]] = positions_mm[:, axis]
         vertices["n" + "xyz"[axis]] = mesh["normals"][used, axis]
@@ -166,8 +172,9 @@ def bop_model(
 def ply_bytes(model: BopModel) -> Iterable[bytes]:
     """A binary little-endian PLY with normals and vertex colours."""
     lines = ["ply", "format binary_little_endian 1.0", f"element vertex {len(model.vertices)}"]
-    for name in _VERTEX.names or ():
-        lines.append(f"property {_PLY_TYPE[_VERTEX[name].str[1:]]} {name}")
+    layout = model.vertices.dtype
+    for name in layout.names or ():
+        lines.append(f"property {_PLY_TYPE[layout[name].str[1:]]} {name}")
     lines += [
         f"element face {len(model.faces)}",
         "property list uchar int vertex_indices",

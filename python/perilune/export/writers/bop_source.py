@@ -21,6 +21,7 @@ from perilune.config.schema import Symmetries
 from perilune.document.references import KEYPOINTS
 from perilune.drivers import Found, path_text
 from perilune.drivers.choice import KIND as CHOICE
+from perilune.export.writers.bop_bodies import body_model, varies
 from perilune.export.writers.bop_channels import channel_files, label_names, pictures, scan_files
 from perilune.export.writers.bop_closed import closed
 from perilune.export.writers.bop_files import RGB_FOLDER
@@ -54,7 +55,8 @@ def driven_size(sim: Simulation, name: str) -> bool:
 def _refuse_driven_sizes(sim: Simulation) -> None:
     """Refuses sizes that vary from frame to frame, because a BOP model has one size."""
     for driver in sim.document.drivers:
-        if driver.path[0] == "spacecraft" and _varies_size(driver):
+        of_craft = driver.path[0] == "spacecraft" and _varies_size(driver)
+        if of_craft or varies(sim, driver):
             raise ConfigError(
                 f"{sim.document.source}: {driver.name}: has a driver, but models of a BOP dataset "
                 "have one size; give it a number"
@@ -124,7 +126,7 @@ def _symmetries(sim: Simulation, names: Sequence[str]) -> tuple[str, Symmetries]
 
 
 def bop_models(sim: Simulation) -> dict[int, BopModel]:
-    """Object id -> model; spacecraft with the same id share a model.
+    """Object id -> model of spacecraft, which share one with the same id, and annotated bodies.
 
     ConfigError for symmetries that a model does not have."""
     crafts: dict[int, list[str]] = {}
@@ -143,6 +145,8 @@ def bop_models(sim: Simulation) -> dict[int, BopModel]:
             *turns(symmetries),
         )
         check_symmetries(models[obj_id], symmetries, f"{sim.document.source}: {key}")
+    for name in sim.config.objects[len(sim.config.spacecraft) :]:
+        models[sim.obj_ids[name]] = body_model(sim, name)
     return models
 
 

@@ -57,7 +57,7 @@ def _axes_at(sample: Sample, name: str, row: Any) -> F64:
 
 def _axes(sim: Simulation, sample: Sample, placed: Placed) -> list[Line]:
     found: list[Line] = []
-    for name, row in zip(sim.config.spacecraft, sample.objects, strict=True):
+    for name, row in zip(sim.config.objects, sample.objects, strict=True):
         if row["px_count_visib"] == 0:
             continue
         for axis, color in zip(_axes_at(sample, name, row), _AXIS_COLORS, strict=True):

@@ -12,7 +12,7 @@ import numpy as np
 
 from perilune.document.references import MASKS
 from perilune.export.writers.bop import camera_record, pose_entry
-from perilune.export.writers.bop_files import MM_PER_M, depth_scale_mm, encode_depth
+from perilune.export.writers.bop_files import encode_depth, scale_of
 from perilune.export.writers.bop_labels import info_entry, run_lengths
 from perilune.export.writers.bop_model_files import model_files
 from perilune.export.writers.bop_source import bop_models, camera_entry, refuse_unfit
@@ -28,6 +28,7 @@ from perilune.export.writers.formats.base import (
     Record,
 )
 from perilune.export.writers.formats.channels import COLOR, Channel
+from perilune.export.writers.formats.info import spacecraft
 from perilune.export.writers.formats.pixels import from_png, png
 from perilune.export.writers.formats.tars import open_tar, write_tar
 from perilune.simulation import Simulation
@@ -75,9 +76,8 @@ class BopWebDataset(Format):
         scene_id, im_id = divmod(frame.index, info["chunk_size"])
         key = f"{scene_id:06d}_{im_id:06d}"
         origins = {int(k): np.array(origin) for k, origin in info[_ORIGINS].items()}
-        annotated = np.isin(arrays["instance"], sample.objects["instance_id"])
-        measured = arrays["depth"][annotated] if annotated.any() else arrays["depth"]
-        scale_mm = depth_scale_mm(float(measured.max(initial=0.0)) * MM_PER_M)
+        ids, crafts = sample.objects["instance_id"], len(spacecraft(info))
+        scale_mm = scale_of(arrays["depth"], arrays["instance"], ids, crafts)
         depth = encode_depth(arrays["depth"], scale_mm)
         moving = sample.meta["articulation"]
         gt, gt_info, whole, seen = [], [], {}, {}

@@ -19,6 +19,7 @@ from perilune.export.writers.formats.base import (
     Record,
 )
 from perilune.export.writers.formats.channels import COLOR, Channel
+from perilune.export.writers.formats.info import objects
 from perilune.export.writers.formats.keypoints import keypoint_names, keypoints_of, of_classes
 from perilune.export.writers.formats.pixels import from_png, png
 from perilune.export.writers.formats.segments import Segment, segments
@@ -40,16 +41,13 @@ def _annotation(index: int, number: int, category: int, segment: Segment) -> dic
     }
 
 
-def crafts(info: Info) -> list[Mapping[str, Any]]:
-    """Rows of the taxonomy of spacecraft, which are the objects of detectors."""
-    return [row for row in info["taxonomy"]["instances"] if row["kind"] == "spacecraft"]
-
-
-def categories(rows: Iterable[Mapping[str, Any]], supercategory: str) -> list[dict[str, Any]]:
-    """COCO's categories of rows with a class, each once, by id."""
-    named = {row["class_id"]: row["class"] for row in rows}
+def categories(
+    rows: Iterable[Mapping[str, Any]], supercategory: str | None = None
+) -> list[dict[str, Any]]:
+    """COCO's categories of rows with a class, each once, by id. supercategory: default the kind."""
+    named = {row["class_id"]: (row["class"], supercategory or row["kind"]) for row in rows}
     return [
-        {"id": number, "name": named[number], "supercategory": supercategory}
+        {"id": number, "name": named[number][0], "supercategory": named[number][1]}
         for number in sorted(named)
     ]
 
@@ -60,13 +58,13 @@ def panoptic_rgb(ids: Array) -> Array:
 
 
 class Coco(Format):
-    """Annotations of the visible pixels of every spacecraft."""
+    """Annotations of the visible pixels of every object: spacecraft, and bodies with `annotate`."""
 
     name = "coco"
     doc = "COCO: detection, instance and panoptic segmentation, parts, keypoints"
     layout = (
         "`SPLIT/NNNNNN.png`, `panoptic_SPLIT/NNNNNN.png`, and in `annotations/` "
-        "`instances_SPLIT.json` (boxes, RLE and keypoints of spacecraft; boxes are of visible "
+        "`instances_SPLIT.json` (boxes, RLE and keypoints of objects; boxes are of visible "
         "pixels, `bbox_amodal` of whole silhouettes), `panoptic_SPLIT.json` (spacecraft and "
         "bodies), `parts_SPLIT.json` (with `part`); categories are the classes of the level "
         "`object`, of parts those of the level `part`"
@@ -98,7 +96,7 @@ class Coco(Format):
         return Encoded(files, labels)
 
     def _instances(self, info: Info, frame: Frame, found: Mapping[int, Segment]) -> list[Any]:
-        classes = {row["name"]: row["class_id"] for row in crafts(info)}
+        classes = {row["name"]: row["class_id"] for row in objects(info)}
         points = keypoints_of(frame)
         rows = []
         for number, row in enumerate(frame.record["objects"], start=1):
@@ -134,7 +132,7 @@ class Coco(Format):
         ]
 
     def _parts(self, info: Info, frame: Frame) -> list[Any]:
-        owners = {row["name"]: row["id"] for row in crafts(info)}
+        owners = {row["name"]: row["id"] for row in objects(info)}
         known = {row["id"]: row for row in info["taxonomy"]["parts"] if row["owner"] in owners}
         rows = []
         for number, segment in segments(frame.arrays["part"]).items():
@@ -154,13 +152,13 @@ class Coco(Format):
     ) -> Iterator[tuple[str, Iterable[bytes]]]:
         """The files of annotations, written as they are read: there may be many frames."""
         split, taxonomy = info["split"], info["taxonomy"]
-        objects = categories(crafts(info), "spacecraft")
-        for row in objects:
+        things = categories(objects(info))
+        for row in things:
             if names := keypoint_names(info, row["name"]):
                 row |= {"keypoints": names, "skeleton": []}
         yield (
             f"annotations/instances_{split}.json",
-            _text(info, records, "instances", objects, _flat),
+            _text(info, records, "instances", things, _flat),
         )
         kinds = ("spacecraft", "body")
         every = [
@@ -175,7 +173,7 @@ class Coco(Format):
             _text(info, records, "panoptic", panoptic, _by_image),
         )
         if "part" in info["channels"]:
-            owners = {row["name"] for row in crafts(info)}
+            owners = {row["name"] for row in objects(info)}
             parts = [row for row in taxonomy["parts"] if row["owner"] in owners]
             yield (
                 f"annotations/parts_{split}.json",

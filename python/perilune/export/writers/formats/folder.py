@@ -181,7 +181,7 @@ def rendered_for(sim: Simulation, info: Mapping[str, Any]) -> list[str]:
 def record_for(sim: Simulation, info: Mapping[str, Any], sample: Sample) -> dict[str, Any]:
     """The record of a frame of a dataset, without files."""
     with_objects = OBJECTS in info["channels"]
-    return records.record_of(sample, list(sim.config.spacecraft) if with_objects else None)
+    return records.record_of(sample, list(sim.config.objects) if with_objects else None)
 
 
 def frame_of(info: Mapping[str, Any], sample: Sample, tables: Tables, record: Record) -> Frame:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -22,6 +23,8 @@ from perilune.frame.labels import object_class
 from perilune.simulation import Simulation
 
 PICTURE = "picture"
+OBJECT = "obj_id"
+SPACECRAFT = "spacecraft"
 
 
 def rendered(fmt: Format, sim: Simulation) -> list[str]:
@@ -52,10 +55,10 @@ def _taxonomy(sim: Simulation) -> dict[str, Any]:
         row: dict[str, Any] = {"id": number, "name": name, "kind": kind}
         row["class"] = object_class(name, entry)
         row["class_id"] = classes["object"][row["class"]]
-        if name in sim.models:
-            row["obj_id"] = sim.models[name].obj_id
-            if not driven_size(sim, name):
-                row["box_m"] = _box_m(sim, name)
+        if name in sim.obj_ids:
+            row["obj_id"] = sim.obj_ids[name]
+        if name in sim.models and not driven_size(sim, name):
+            row["box_m"] = _box_m(sim, name)
         instances.append(row)
     parts = [
         {
@@ -69,6 +72,17 @@ def _taxonomy(sim: Simulation) -> dict[str, Any]:
     ]
     named = {level: dict(classes[level]) for level in (*levels, "part")}
     return {"classes": named, "instances": instances, "parts": parts}
+
+
+def objects(info: Info) -> list[Mapping[str, Any]]:
+    """Rows of the taxonomy of all objects, spacecraft first, as in `Sample.objects`."""
+    rows = [row for row in info["taxonomy"]["instances"] if OBJECT in row]
+    return sorted(rows, key=lambda row: row["kind"] != SPACECRAFT)
+
+
+def spacecraft(info: Info) -> list[Mapping[str, Any]]:
+    """The spacecraft among them."""
+    return [row for row in objects(info) if row["kind"] == SPACECRAFT]
 
 
 def folder_info(fmt: Format, sim: Simulation, chunk_size: int, split: str) -> dict[str, Any]:

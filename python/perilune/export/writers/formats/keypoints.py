@@ -52,15 +52,18 @@ def of_classes(fmt: str, sim: Simulation) -> dict[str, Any]:
     names belong to the class."""
     found: dict[str, list[str]] = {}
     first: dict[str, str] = {}
-    for name, craft in sim.config.spacecraft.items():
-        own, known = list(sim.keypoint_names.get(name, ())), object_class(name, craft)
+    for name in sim.config.objects:
+        craft = sim.config.spacecraft.get(name)
+        entry = craft or sim.config.bodies[name]
+        key = f"{'bodies' if craft is None else 'spacecraft'}.{name}"
+        own, known = list(sim.keypoint_names.get(name, ())), object_class(name, entry)
         if own != found.setdefault(known, own):
             raise ConfigError(
-                f"{sim.document.source}: format '{fmt}': spacecraft.{first[known]} and "
-                f"spacecraft.{name} have the class '{known}' but other keypoints; give each a "
+                f"{sim.document.source}: format '{fmt}': {first[known]} and "
+                f"{key} have the class '{known}' but other keypoints; give each a "
                 "`class` of its own"
             )
-        first.setdefault(known, name)
+        first.setdefault(known, key)
     return {OF_CLASSES: {known: names for known, names in found.items() if names}}
 
 

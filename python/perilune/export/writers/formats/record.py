@@ -51,8 +51,8 @@ def _objects(sample: Sample, names: list[str]) -> list[dict[str, Any]]:
 
 
 def record_of(sample: Sample, names: list[str] | None) -> dict[str, Any]:
-    """The record of a sample, without files. names: spacecraft in the order of its objects; None:
-    without objects."""
+    """The record of a sample, without files. names: its objects, in their order; None: without
+    objects."""
     camera = sample.camera
     lens = camera.lens
     told: dict[str, Any] = {

@@ -1,4 +1,4 @@
-"""SPEED and SPEED+: the pose of one spacecraft a picture, as the challenges' JSON has it."""
+"""SPEED and SPEED+: the pose of one object a picture, as the challenges' JSON has it."""
 
 from __future__ import annotations
 
@@ -44,14 +44,14 @@ class Speed(Format):
         return channel.name in COLOR
 
     def describe(self, sim: Simulation) -> dict[str, Any]:
-        """The spacecraft: the target of the camera's trajectory, or the only one."""
-        names = list(sim.config.spacecraft)
+        """The object: the target of the camera's trajectory, or the only one."""
+        names = list(sim.config.objects)
         target = getattr(sim.config.camera.trajectory, TARGET, None)
         if target not in names:
             if len(names) != 1:
                 raise ConfigError(
-                    f"{sim.document.source}: spacecraft: SPEED has the pose of one, here are "
-                    f"{len(names)}; camera.trajectory.target must name which"
+                    f"{sim.document.source}: spacecraft: SPEED has the pose of one object, here "
+                    f"are {len(names)}; camera.trajectory.target must name which"
                 )
             target = names[0]
         for name, camera in sim.config.cameras.items():

@@ -19,7 +19,7 @@ from perilune.export.writers.formats.base import (
     Record,
 )
 from perilune.export.writers.formats.channels import COLOR, Channel
-from perilune.export.writers.formats.coco import crafts
+from perilune.export.writers.formats.info import objects
 from perilune.export.writers.formats.keypoints import Keypoints, keypoints_of
 from perilune.export.writers.formats.pixels import from_png, png
 from perilune.export.writers.formats.segments import Segment, segments
@@ -28,7 +28,7 @@ from perilune.simulation import Simulation
 
 def class_numbers(info: Info) -> dict[str, int]:
     """Class -> its number, from 0 on, in the order of ids."""
-    named = {row["class_id"]: row["class"] for row in crafts(info)}
+    named = {row["class_id"]: row["class"] for row in objects(info)}
     return {named[number]: k for k, number in enumerate(sorted(named))}
 
 
@@ -47,9 +47,9 @@ class Yolo(Format):
     """Boxes for detectors."""
 
     name = "yolo"
-    doc = "Ultralytics YOLO: boxes of spacecraft"
+    doc = "Ultralytics YOLO: boxes of objects"
     layout = (
-        "`images/SPLIT/NNNNNN.png`, `labels/SPLIT/NNNNNN.txt` (a line for each spacecraft that is "
+        "`images/SPLIT/NNNNNN.png`, `labels/SPLIT/NNNNNN.txt` (a line for each object that is "
         "seen: class, centre, width, height, as shares of the picture), `data.yaml`"
     )
     reader = "Ultralytics"
@@ -78,7 +78,7 @@ class Yolo(Format):
     def encode(self, info: Info, frame: Frame) -> Encoded:
         """The picture and its lines."""
         split, numbers = info["split"], class_numbers(info)
-        classes = {row["name"]: numbers[row["class"]] for row in crafts(info)}
+        classes = {row["name"]: numbers[row["class"]] for row in objects(info)}
         found, points = segments(frame.arrays["instance"]), keypoints_of(frame)
         lines = [
             f"{classes[row['name']]} "
@@ -141,7 +141,7 @@ class YoloSegment(Yolo):
     """Polygons for instance segmentation."""
 
     name = "yolo-segment"
-    doc = "Ultralytics YOLO: polygons of spacecraft (needs perilune[yolo])"
+    doc = "Ultralytics YOLO: polygons of objects (needs perilune[yolo])"
     layout = Yolo.layout.replace(
         "class, centre, width, height", "class, outline through the pixels of its border"
     )

@@ -25,7 +25,7 @@ class YoloPose(Yolo):
     """Boxes and keypoints."""
 
     name = "yolo-pose"
-    doc = "Ultralytics YOLO: boxes and keypoints of spacecraft"
+    doc = "Ultralytics YOLO: boxes and keypoints of objects"
     layout = Yolo.layout.replace("width, height,", "width, height, x, y, visibility of keypoints,")
     needs = (*Yolo.needs, KEYPOINTS)
 
@@ -38,7 +38,8 @@ class YoloPose(Yolo):
         found = of_classes(self.name, sim)
         if not found[OF_CLASSES]:
             raise ConfigError(
-                f"{sim.document.source}: format '{self.name}': no spacecraft has `keypoints`"
+                f"{sim.document.source}: format '{self.name}': no spacecraft has `keypoints`, "
+                "and no annotated body `landmarks`"
             )
         return found
 
