@@ -29,6 +29,13 @@ typedef struct pl_object_label {
   int32_t in_view; /* 1 when the bounding sphere touches the frustum */
 } pl_object_label;
 
+/* Some parts of an object, which together have a label. */
+typedef struct pl_part_group {
+  size_t object; /* index among those that were added */
+  const uint8_t
+      *parts; /* one per part of the object: not 0 where it belongs to the group; borrowed */
+} pl_part_group;
+
 /* Bounding box and number of an object's visible pixels; can be merged in any order. */
 typedef struct pl_extent {
   int32_t x0, y0, x1, y1; /* inclusive; x0 > x1 when not visible */

@@ -227,6 +227,59 @@ static pl_status refine_object(const pl_camera *camera, pl_cluster_cache *cache,
   return PL_OK;
 }
 
+/* Bounds the triangles of a model, which are those of the object from `first` on, that belong to
+ * some parts. Returns false if there are none. */
+static bool bound_parts(const pl_object *object, const pl_model *model, size_t first,
+                        const uint8_t *parts, pl_cluster *box) {
+  bool any = false;
+  *box = (pl_cluster){{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+  for (size_t t = 0; t < model->triangle_count; t++) {
+    if (parts[pl_object_part(object, (uint32_t)(first + t))] == 0)
+      continue;
+    any = true;
+    for (size_t k = 0; k < 3; k++) {
+      const float *p = model->positions + 3 * (size_t)model->indices[3 * t + k];
+      for (size_t axis = 0; axis < 3; axis++) {
+        box->low[axis] = fminf(box->low[axis], p[axis]);
+        box->high[axis] = fmaxf(box->high[axis], p[axis]);
+      }
+    }
+  }
+  return any;
+}
+
+/* Gives an outline a box of triangles, or none. */
+static void enclose(const pl_camera *camera, bool any, pl_cluster *box, pl_outline *out) {
+  out->clusters = (pl_clusters){out->model, box, any ? 1 : 0};
+  out->rect = any ? pl_outline_project(out, camera, box->low, box->high) : nowhere;
+}
+
+pl_outline pl_outline_of_parts(const pl_snapshot *shot, size_t index, const pl_outline *all,
+                               const uint8_t *parts, pl_outline *pieces, pl_cluster *boxes) {
+  const pl_shot_object *object = &shot->objects[index];
+  pl_outline out = *all;
+  size_t next = 0;
+  out.whole = false;
+  if (all->pieces == NULL) {
+    enclose(&shot->camera, bound_parts(object->object, all->model, 0, parts, boxes), boxes, &out);
+    return out;
+  }
+  out.pieces = pieces;
+  out.rect = nowhere;
+  for (size_t k = 0; k < object->piece_count; k++) {
+    if (!object->pieces[k].present)
+      continue;
+    const size_t first = object->object->cut->first[k];
+    pieces[next] = all->pieces[next];
+    enclose(&shot->camera,
+            bound_parts(object->object, pieces[next].model, first, parts, &boxes[next]),
+            &boxes[next], &pieces[next]);
+    widen(&out.rect, pieces[next].rect);
+    next++;
+  }
+  return out;
+}
+
 static void set_box(const pl_camera *camera, pl_outline *out) {
   const pl_model *model = out->model;
   set_depths(model->bounds_min, model->bounds_max, out);

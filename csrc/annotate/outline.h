@@ -48,6 +48,11 @@ static inline const pl_outline *pl_outline_pieces(const pl_outline *outline, siz
  * or body can hide a pixel of it. An object that does not project on the canvas is whole too. */
 pl_status pl_outline_build(const pl_snapshot *shot, pl_cluster_cache *cache, pl_outline *outlines);
 
+/* Outline of some parts of an object (see pl_solo_set_parts), from that of all of it; never whole.
+ * `boxes`: room for one per piece of the object, or for one; `pieces` likewise. */
+pl_outline pl_outline_of_parts(const pl_snapshot *shot, size_t object, const pl_outline *all,
+                               const uint8_t *parts, pl_outline *pieces, pl_cluster *boxes);
+
 /* Outline of a body without a shape: the rectangle of its bounding box. It has no clusters and is
  * never whole. */
 pl_outline pl_outline_of_body(const pl_snapshot *shot, const pl_shot_body *body);

@@ -17,6 +17,7 @@ void pl_seen_write(const pl_vertex *points, size_t stride, const int tile[4], in
     const pl_vertex *row = points + (size_t)y * stride;
     for (int x = 0; x < tile[2]; x++) {
       out[x].surface_id = row[x].surface_id;
+      out[x].triangle = row[x].triangle;
       out[x].range_m = !pl_surface_is_none(row[x].surface_id) ? (float)row[x].t : 0.0f;
     }
   }
@@ -68,6 +69,23 @@ static void merge(pl_silhouette *into, const pl_silhouette *from) {
   into->rays += from->rays;
 }
 
+/* Whether a pixel shows the thing, or of it the parts that count. */
+static bool is_seen(const pl_silhouette_job *job, size_t slot, const pl_seen *seen) {
+  if (pl_surface_is_none(seen->surface_id) || pl_shot_slot(job->shot, seen->surface_id) != slot)
+    return false;
+  return job->parts == NULL ||
+         job->parts[pl_object_part(job->shot->objects[slot].object, seen->triangle)] != 0;
+}
+
+void pl_silhouette_see(const pl_silhouette_job *job, size_t object, const pl_extent *within,
+                       pl_extent *out) {
+  *out = PL_EXTENT_NONE;
+  for (int32_t y = within->y0; y <= within->y1; y++)
+    for (int32_t x = within->x0; x <= within->x1; x++)
+      if (is_seen(job, object, &job->seen[(size_t)y * (size_t)job->shot->camera.width + (size_t)x]))
+        pl_extent_merge(out, &(pl_extent){x, y, x, y, 1});
+}
+
 /* Decides a pixel by its visible surface, or adds it to those that need a ray if the object may be
  * there. */
 static void look(const search *search, const int tile[4], int x, int y, bool possible,
@@ -78,7 +96,7 @@ static void look(const search *search, const int tile[4], int x, int y, bool pos
     const pl_seen *seen = &search->job->seen[(size_t)v * (size_t)shot->camera.width + (size_t)u];
     if (pl_surface_is_none(seen->surface_id))
       return;
-    const bool shows = pl_shot_slot(shot, seen->surface_id) == search->slot;
+    const bool shows = is_seen(search->job, search->slot, seen);
     if (shows)
       add_pixel(search, u, v, into);
     if (shows || seen->range_m > search->outline->far_m)
@@ -223,9 +241,10 @@ static bool is_nowhere(const pl_outline *outline, const pl_extent *extent) {
 
 static pl_status choose_thing(const pl_silhouette_job *job, size_t slot) {
   const pl_snapshot *shot = job->shot;
-  return slot < shot->object_count
-             ? pl_solo_set(job->solo, &shot->objects[slot])
-             : pl_solo_set_body(job->solo, &shot->bodies[slot - shot->object_count]);
+  if (slot >= shot->object_count)
+    return pl_solo_set_body(job->solo, &shot->bodies[slot - shot->object_count]);
+  return job->parts == NULL ? pl_solo_set(job->solo, &shot->objects[slot])
+                            : pl_solo_set_parts(job->solo, &shot->objects[slot], job->parts);
 }
 
 pl_status pl_silhouette_find(const pl_silhouette_job *job, size_t slot, const pl_outline *outline,

@@ -17,6 +17,7 @@
 /* What the centre ray of a pixel hits. */
 typedef struct pl_seen {
   pl_surface_id surface_id; /* or PL_NO_SURFACE */
+  uint32_t triangle;        /* of a mesh */
   float range_m;
 } pl_seen;
 
@@ -46,6 +47,8 @@ typedef struct pl_silhouette_job {
   pl_silhouette *workers; /* scratch memory, one per thread */
   int threads;
   pl_cancel *cancel; /* may be NULL */
+  /* of an object: whether each of its parts counts; borrowed, NULL: all do */
+  const uint8_t *parts;
 } pl_silhouette_job;
 
 /* Finds the silhouette of the thing in a slot (pl_shot_slot): an object, or a body without a shape,
@@ -54,6 +57,10 @@ typedef struct pl_silhouette_job {
  * on the number of threads. */
 pl_status pl_silhouette_find(const pl_silhouette_job *job, size_t slot, const pl_outline *outline,
                              const pl_extent *extent, uint8_t *mask, pl_silhouette *out);
+
+/* Finds the extent of the visible pixels of the parts that count, within those of their object. */
+void pl_silhouette_see(const pl_silhouette_job *job, size_t object, const pl_extent *within,
+                       pl_extent *out);
 
 /* Sets bbox_obj, px_count_all, px_count_valid and visib_fract of a label whose visible part is
  * filled. Counts saturate at INT32_MAX. */

@@ -50,6 +50,11 @@ typedef struct pl_frame_request {
   const pl_keypoint *keypoints; /* borrowed */
   size_t keypoint_count;
   pl_keypoint_label *keypoint_labels; /* output, one per keypoint; NULL: not computed */
+  const pl_part_group *groups;        /* borrowed */
+  size_t group_count;
+  /* output, one per group: its boxes and counts, with pose and ids of its object; NULL: not
+   * computed */
+  pl_object_label *group_labels;
   bool amodal; /* compute the labels of full silhouettes; false skips the cost */
 } pl_frame_request;
 

@@ -42,7 +42,8 @@ static pl_status prepare_silhouettes(pl_label_tools *tools, pl_arena *arena, pl_
   PL_TRY(take(arena, pl_outline_count(out->shot), sizeof(pl_outline), &memory));
   out->outlines = memory;
   PL_TRY(pl_outline_build(out->shot, &tools->clusters, out->outlines));
-  bool needed = out->request->masks != NULL || out->first_body != PL_EXTENT_NO_BODIES;
+  bool needed = out->request->masks != NULL || out->request->group_labels != NULL ||
+                out->first_body != PL_EXTENT_NO_BODIES;
   for (size_t i = 0; i < out->shot->craft_count; i++)
     needed |= !out->outlines[i].whole;
   if (!needed)
@@ -77,13 +78,14 @@ pl_status pl_labels_prepare(const pl_frame_request *request, const pl_snapshot *
     if (has_label(&shot->bodies[i]))
       out->first_body = shot->object_count;
   PL_TRY(prepare_ground(arena, out));
-  if (request->objects == NULL && request->masks == NULL)
+  if (request->objects == NULL && request->masks == NULL && request->group_labels == NULL)
     return PL_OK;
   PL_TRY(take(arena, extents, sizeof(pl_extent), &memory));
   out->extents = memory;
   for (size_t i = 0; i < extents; i++)
     out->extents[i] = PL_EXTENT_NONE;
-  return request->amodal || request->masks != NULL ? prepare_silhouettes(tools, arena, out) : PL_OK;
+  const bool whole = request->amodal || request->masks != NULL || request->group_labels != NULL;
+  return whole ? prepare_silhouettes(tools, arena, out) : PL_OK;
 }
 
 void pl_labels_tile(const pl_labels *labels, const pl_snapshot *shot, const pl_tile_result *result,
@@ -120,16 +122,56 @@ static pl_status find_silhouette(const pl_labels *labels, const pl_silhouette_jo
   return PL_OK;
 }
 
+static pl_extent extent_of(const pl_labels *labels, size_t slot) {
+  pl_extent extent = PL_EXTENT_NONE;
+  for (size_t w = 0; w < (size_t)labels->request->threads; w++)
+    pl_extent_merge(&extent, &labels->extents[w * slots_of(labels->shot) + slot]);
+  return extent;
+}
+
 /* `slot`: of the thing; `row`: of its label. */
 static pl_status label_thing(const pl_labels *labels, const pl_silhouette_job *job, size_t slot,
                              size_t row) {
   const pl_snapshot *shot = labels->shot;
-  pl_extent extent = PL_EXTENT_NONE;
-  for (size_t w = 0; w < (size_t)labels->request->threads; w++)
-    pl_extent_merge(&extent, &labels->extents[w * slots_of(shot) + slot]);
+  const pl_extent extent = extent_of(labels, slot);
   if (labels->request->objects != NULL)
     pl_object_label_fill(shot, slot, &extent, &labels->request->objects[row]);
   return labels->outlines != NULL ? find_silhouette(labels, job, slot, row, &extent) : PL_OK;
+}
+
+/* `pieces`, `boxes`: scratch memory, see pl_outline_of_parts. */
+static pl_status label_group(const pl_labels *labels, const pl_silhouette_job *job,
+                             const pl_part_group *group, pl_outline *pieces, pl_cluster *boxes,
+                             pl_object_label *label) {
+  const pl_extent within = extent_of(labels, group->object);
+  const pl_outline outline = pl_outline_of_parts(
+      labels->shot, group->object, &labels->outlines[group->object], group->parts, pieces, boxes);
+  pl_silhouette_job own = *job;
+  pl_silhouette silhouette;
+  pl_extent extent;
+  own.parts = group->parts;
+  pl_silhouette_see(&own, group->object, &within, &extent);
+  pl_object_label_fill(labels->shot, group->object, &extent, label);
+  PL_TRY(pl_silhouette_find(&own, group->object, &outline, &extent, NULL, &silhouette));
+  pl_silhouette_label(&silhouette, label);
+  return PL_OK;
+}
+
+static pl_status label_groups(const pl_labels *labels, const pl_silhouette_job *job,
+                              pl_arena *arena) {
+  const pl_frame_request *request = labels->request;
+  void *pieces, *boxes;
+  size_t most = 1;
+  if (request->group_labels == NULL)
+    return PL_OK;
+  for (size_t i = 0; i < labels->shot->craft_count; i++)
+    most =
+        labels->shot->objects[i].piece_count > most ? labels->shot->objects[i].piece_count : most;
+  PL_TRY(take(arena, most, sizeof(pl_outline), &pieces));
+  PL_TRY(take(arena, most, sizeof(pl_cluster), &boxes));
+  for (size_t i = 0; i < request->group_count; i++)
+    PL_TRY(label_group(labels, job, &request->groups[i], pieces, boxes, &request->group_labels[i]));
+  return PL_OK;
 }
 
 static pl_status label_things(const pl_labels *labels, const pl_silhouette_job *job) {
@@ -181,5 +223,6 @@ pl_status pl_labels_finish(const pl_labels *labels, pl_accelerators *kept, pl_la
       .threads = threads,
       .cancel = labels->request->cancel,
   };
-  return label_things(labels, &job);
+  PL_TRY(label_things(labels, &job));
+  return label_groups(labels, &job, arena);
 }

@@ -127,6 +127,11 @@ static int set_output(const char *name, PyObject *array, const pl_scene *scene,
         row_data(array, name, request->keypoint_count, sizeof(pl_keypoint_label), "KEYPOINT_LABEL");
     return request->keypoint_labels != NULL ? 0 : -1;
   }
+  if (strcmp(name, "part_groups") == 0) {
+    request->group_labels =
+        row_data(array, name, request->group_count, sizeof(pl_object_label), "OBJECT_LABEL");
+    return request->group_labels != NULL ? 0 : -1;
+  }
   if (strcmp(name, "masks") == 0)
     return (request->masks = mask_data(array, pl_scene_label_count(scene), camera)) != NULL ? 0
                                                                                             : -1;

@@ -17,6 +17,7 @@ static void free_states(pl_py_states *states) {
   pl_free(states->keys.numbers);
   pl_free(states->volume_parameters);
   pl_free(states->keypoints);
+  pl_free(states->groups);
 }
 
 static void renderer_dealloc(PyObject *object) {

@@ -405,6 +405,7 @@ int pl_py_request_parse(PyObject *request, const pl_scene *scene, pl_py_states *
       parse_quality(request, out) < 0 || parse_amodal(request, &out->amodal) < 0 ||
       pl_py_ground_labels_parse(request, out) < 0 ||
       pl_py_keypoints_parse(request, states, out) < 0 ||
+      pl_py_part_groups_parse(request, scene, states, out) < 0 ||
       pl_py_volumes_parse(request, states, out) < 0 ||
       pl_py_sensor_parse(request, states, out) < 0 || pl_py_bands_parse(request, states, out) < 0 ||
       pl_py_sky_parse(request, states, out) < 0)

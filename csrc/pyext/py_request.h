@@ -30,6 +30,8 @@ typedef struct pl_py_states {
   size_t volume_room;
   pl_keypoint *keypoints; /* owned; grows with their number */
   size_t keypoint_room;
+  pl_part_group *groups; /* owned; grows with their number */
+  size_t group_room;
   PyObject *kept; /* list of all objects that the current request borrows; NULL between frames */
 } pl_py_states;
 
@@ -66,6 +68,9 @@ int pl_py_bands_parse(PyObject *request, pl_py_states *states, pl_frame_request 
 int pl_py_ground_labels_parse(PyObject *request, pl_frame_request *out);
 /* Parses "keypoints" of the request dictionary, which may be absent or None. */
 int pl_py_keypoints_parse(PyObject *request, pl_py_states *states, pl_frame_request *out);
+/* Parses "part_groups" of the request dictionary, which may be absent or None. */
+int pl_py_part_groups_parse(PyObject *request, const pl_scene *scene, pl_py_states *states,
+                            pl_frame_request *out);
 /* Sets the request's output pointers to the arrays of `out` (a mapping name -> ndarray), and checks
  * type, shape and contiguity. References are appended to `kept`. */
 int pl_py_request_outputs(PyObject *out, const pl_scene *scene, PyObject *kept,

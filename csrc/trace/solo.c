@@ -10,7 +10,8 @@ struct pl_solo {
   pl_accelerators *kept;  /* borrowed */
   pl_instance *instances; /* owned; room for the largest number so far */
   size_t room, count;
-  const pl_shot_object *object; /* the object that is placed; NULL if no graph cuts holes into it */
+  const pl_shot_object *object; /* the object that is placed; NULL if all of it counts */
+  const uint8_t *parts;         /* of the object that is placed; NULL: all of them */
   const pl_shot_body *body;     /* NULL for an object */
   double inner_m; /* rays that meet this sphere about the centre of the terrain meet it; 0: none */
 };
@@ -45,8 +46,16 @@ static pl_status make_room(pl_solo *solo, size_t count) {
 pl_status pl_solo_set(pl_solo *solo, const pl_shot_object *object) {
   PL_TRY(make_room(solo, pl_accelerator_count(object)));
   solo->body = NULL;
+  solo->parts = NULL;
   solo->object = pl_object_cuts(object->object) ? object : NULL;
   return pl_accelerator_place(solo->kept, object, solo->instances, &solo->count);
+}
+
+pl_status pl_solo_set_parts(pl_solo *solo, const pl_shot_object *object, const uint8_t *parts) {
+  PL_TRY(pl_solo_set(solo, object));
+  solo->object = object;
+  solo->parts = parts;
+  return PL_OK;
 }
 
 /* Radius of a sphere that lies below all ground. */
@@ -61,6 +70,7 @@ pl_status pl_solo_set_body(pl_solo *solo, const pl_shot_body *body) {
   const bool ground = body->field != NULL;
   PL_TRY(make_room(solo, 1));
   solo->object = NULL;
+  solo->parts = NULL;
   solo->body = body;
   solo->count = ground ? 1 : 0;
   solo->inner_m = ground ? inner_m(body) : 0.0;
@@ -71,11 +81,12 @@ pl_status pl_solo_set_body(pl_solo *solo, const pl_shot_body *body) {
 
 typedef struct hole_query {
   const pl_shot_object *object;
+  const uint8_t *parts; /* NULL: all count */
   const pl_instance *instance;
   const pl_vec3 *directions; /* indexed by ray id */
 } hole_query;
 
-/* Rejects hits where a graph leaves no surface. */
+/* Rejects hits on parts that do not count, and where a graph leaves no surface. */
 static void pass_holes(const struct RTCFilterFunctionNArguments *arguments) {
   const hole_query *query = ((const pl_embree_query *)(const void *)arguments->context)->user;
   const unsigned n = arguments->N;
@@ -84,8 +95,11 @@ static void pass_holes(const struct RTCFilterFunctionNArguments *arguments) {
       continue;
     const uint32_t triangle = query->instance->first + pl_embree_hit_triangle(arguments->hit, n, i);
     const pl_vec3 direction = query->directions[pl_embree_ray_id(arguments->ray, n, i)];
-    if (!pl_shot_is_there(query->object, triangle, pl_embree_hit_u(arguments->hit, n, i),
-                          pl_embree_hit_v(arguments->hit, n, i), pl_vec3_to_float(direction)))
+    if (query->parts != NULL && query->parts[pl_object_part(query->object->object, triangle)] == 0)
+      arguments->valid[i] = 0;
+    else if (pl_object_cuts(query->object->object) &&
+             !pl_shot_is_there(query->object, triangle, pl_embree_hit_u(arguments->hit, n, i),
+                               pl_embree_hit_v(arguments->hit, n, i), pl_vec3_to_float(direction)))
       arguments->valid[i] = 0;
   }
 }
@@ -125,7 +139,7 @@ static void cast_at(const pl_solo *solo, const pl_instance *instance, const pl_v
     ray->id[i] = (unsigned)(i < count ? i : 0);
     ray->flags[i] = 0;
   }
-  const hole_query holes = {solo->object, instance, directions};
+  const hole_query holes = {solo->object, solo->parts, instance, directions};
   pl_embree_query way = {.user = &holes, .filter = pass_holes};
   meet(instance, entry->valid, solo->object != NULL ? &way : NULL, &query, met);
   for (size_t i = 0; i < count; i++)

@@ -13,6 +13,10 @@ void pl_solo_destroy(pl_solo *solo); /* NULL is allowed */
 /* Selects the object to test, even if culling dropped it from its snapshot. */
 pl_status pl_solo_set(pl_solo *solo, const pl_shot_object *object);
 
+/* The same for some parts of an object: those for whose index (pl_object_part) `parts`, borrowed,
+ * is not 0. */
+pl_status pl_solo_set_parts(pl_solo *solo, const pl_shot_object *object, const uint8_t *parts);
+
 /* The same for a body without a shape: its ellipsoid in closed form, or its terrain with rocks, as
  * far as the frame has any. */
 pl_status pl_solo_set_body(pl_solo *solo, const pl_shot_body *body);

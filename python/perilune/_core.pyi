@@ -428,8 +428,9 @@ class Renderer:
         self, request: FrameRequest, out: Mapping[str, NDArray[Any]], threads: int = 1
     ) -> FrameResult:
         """Fills the arrays of `out`: any of CHANNELS by name, C-contiguous, exact shape and type,
-        "objects": (objects,) of OBJECT_LABEL, "keypoints": (keypoints,) of KEYPOINT_LABEL, and "masks": (objects, height, width) uint8, 1 on
-        the full silhouette of each object inside the image, hidden parts too (the visible part is
+        "objects": (objects,) of OBJECT_LABEL, "keypoints": (keypoints,) of KEYPOINT_LABEL,
+        "part_groups": (groups,) of OBJECT_LABEL, whose pose is that of the object, and "masks":
+        (objects, height, width) uint8, 1 on the full silhouette of each object inside the image, hidden parts too (the visible part is
         where "instance" is the object's). Releases the GIL; ctrl-C cancels."""
     def trace(
         self,

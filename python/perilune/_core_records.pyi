@@ -166,6 +166,9 @@ class FrameRequest(TypedDict):
     # (keypoints, 6): object, or number of objects + body; 1 + moving node of the object, or 0; place
     # at rest in the owner's axes, m; how far its own surface may lie before it, m
     keypoints: NotRequired[F64 | None]
+    # Groups of parts with a label: the object (groups,) of each, and a flag for each of its parts,
+    # one group after the other
+    part_groups: NotRequired[tuple[NDArray[np.int32], NDArray[np.uint8]] | None]
     amodal: NotRequired[bool]  # whether objects get the labels of their full silhouettes (True)
 
 class PlanRow(TypedDict):

@@ -21,7 +21,7 @@ Array = NDArray[Any]
 class Sample(Mapping[str, Array]):
     """One frame: `sample["rgb"]` and so on are the pixel channels that were computed."""
 
-    __slots__ = ("_channels", "_keypoints", "_objects", "camera", "meta", "plan", "stars")
+    __slots__ = ("_channels", "_objects", "_tables", "camera", "meta", "plan", "stars")
 
     def __init__(
         self,
@@ -31,9 +31,9 @@ class Sample(Mapping[str, Array]):
         meta: Mapping[str, Any],
         plan: list[_core.PlanRow],
         stars: Array | None = None,
-        keypoints: Array | None = None,
+        tables: Mapping[str, Array] | None = None,
     ) -> None:
-        self._keypoints = keypoints
+        self._tables = dict(tables or {})
         self._channels = dict(channels)
         self._objects = None if objects is None else object_rows(objects)
         self.camera = camera
@@ -77,9 +77,18 @@ class Sample(Mapping[str, Array]):
     @property
     def keypoints(self) -> Array:
         """Keypoints of spacecraft and landmarks of bodies: a structured array, docs/labels.md."""
-        if self._keypoints is None:
-            raise AttributeError("this sample has no keypoints: ask for the channel 'keypoints'")
-        return self._keypoints
+        return self._table("keypoints")
+
+    @property
+    def hierarchy(self) -> Array:
+        """Spacecraft, the nodes of their models, and parts, each with a pose, boxes and visible
+        fraction, and the row above it: a structured array, docs/labels.md."""
+        return self._table("hierarchy")
+
+    def _table(self, name: str) -> Array:
+        if name not in self._tables:
+            raise AttributeError(f"this sample has no {name}: ask for the channel '{name}'")
+        return self._tables[name]
 
     @property
     def objects(self) -> Array:

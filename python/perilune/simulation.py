@@ -25,10 +25,12 @@ from perilune.config.errors import named
 from perilune.cost.costed import Costed
 from perilune.document import Document, load
 from perilune.document.references import (
+    HIERARCHY,
     KEYPOINTS,
     OBJECTS,
     OF_MOTION,
     OF_SENSOR,
+    TABLES,
     check_channels,
     check_references,
 )
@@ -38,7 +40,7 @@ from perilune.frame.handles import Assets, Handles, ObjectModel
 from perilune.frame.placing import placed
 from perilune.frame.range_sensors import RangeSensors
 from perilune.frame.remarks import Remarks
-from perilune.frame.request import arrays_of, camera_label
+from perilune.frame.request import arrays_of, camera_label, object_dtype
 from perilune.frame.rows import row_poses
 from perilune.frame.shown import Plan
 from perilune.frame.states import states
@@ -401,11 +403,14 @@ class Simulation(RangeSensors, Costed):
             self._add_neighbours(request, scene, names)
         metered = self._metered(scene) if set(names) & set(OF_SENSOR) else None
         undistorted = scene.config.camera.label_lens == "undistorted"
-        pixels = [name for name in names if name != KEYPOINTS]
+        pixels = [name for name in names if name not in TABLES]
         arrays = arrays_of(scene.config, pixels, out or {}, handles.pool)
         if KEYPOINTS in names:
             request["keypoints"] = handles.keypoints.rows(scene, handles.scales(scene.config))
             arrays[KEYPOINTS] = handles.keypoints.empty()
+        if HIERARCHY in names:
+            request["part_groups"] = handles.hierarchy.request()
+            arrays["part_groups"] = handles.hierarchy.empty(object_dtype())
         try:
             with handles.lock:
                 if metered is not None:
@@ -423,6 +428,7 @@ class Simulation(RangeSensors, Costed):
         if "bands" in arrays or ("raw" in arrays and bands.has_planes(scene.config.camera)):
             meta["bands"] = bands.described(scene.config.camera, scene.config.sun)
         objects, found = arrays.pop(OBJECTS, None), arrays.pop(KEYPOINTS, None)
+        groups = arrays.pop("part_groups", None)
         unseen = self._unseen.look(scene.config, objects)
         if unseen is not None:
             where = f"{self._document.source}: camera.trajectory.target"
@@ -430,9 +436,14 @@ class Simulation(RangeSensors, Costed):
         self._remarks.tell_of_ground(self._document.source, result["ground"])
         label = camera_label(request, scene.sensor, not undistorted)
         meta |= states(scene, request, label, result["plan"])
-        keypoints = None if found is None else handles.keypoints.table(found)
+        tables = {}
+        if found is not None:
+            tables[KEYPOINTS] = handles.keypoints.table(found)
+        if groups is not None:
+            scales = handles.scales(scene.config)
+            tables[HIERARCHY] = handles.hierarchy.table(groups, scales, meta["articulation"])
         stars = seen(result["stars"])
-        return Sample(arrays, objects, label, meta, result["plan"], stars, keypoints)
+        return Sample(arrays, objects, label, meta, result["plan"], stars, tables)
 
     def terrain(self, index: int, body: str | None = None) -> _core.Terrain:
         """The ground of a body in a frame: heights, slopes and craters at any place.

@@ -17,6 +17,10 @@ MASKS = "masks"
 """Name that requests the full silhouettes, one image per spacecraft."""
 KEYPOINTS = "keypoints"
 """Name that requests a sample's table of keypoints."""
+HIERARCHY = "hierarchy"
+"""Name that requests a sample's table of spacecraft, their nodes and parts."""
+TABLES = (KEYPOINTS, HIERARCHY)
+"""Names of tables of a sample."""
 OF_SENSOR = ("raw", "sensor_rgb")
 """Channels that only cameras with a section `sensor` have."""
 TO_NEXT = ("flow", "flow_occlusion", "scene_flow")
@@ -27,7 +31,7 @@ OF_MOTION = (*TO_NEXT, *TO_PREVIOUS)
 
 def channel_names() -> list[str]:
     """All names allowed in `channels`."""
-    return [*(channel["name"] for channel in _core.CHANNELS), OBJECTS, MASKS, KEYPOINTS]
+    return [*(channel["name"] for channel in _core.CHANNELS), OBJECTS, MASKS, *TABLES]
 
 
 def has_keypoints(config: Config) -> bool:

@@ -26,6 +26,7 @@ from perilune.config.shape import Shape
 from perilune.document.document import Document
 from perilune.document.fixed import fixed
 from perilune.frame import scene_labels
+from perilune.frame.hierarchy import Hierarchy
 from perilune.frame.keypoints import KeypointSet
 from perilune.frame.labels import Taxonomy, object_class, taxonomy, unmatched
 from perilune.frame.looks import Look, Looks
@@ -296,6 +297,13 @@ class Handles:
     def keypoints(self) -> KeypointSet:
         """The keypoints of the configuration."""
         return KeypointSet(self.document, self.models, self.rigs, self.taxonomy.instances)
+
+    @cached_property
+    def hierarchy(self) -> Hierarchy:
+        """Spacecraft, their nodes and parts."""
+        taxonomy = self.taxonomy
+        parts = {name: taxonomy.parts_of(name) for name in self.models}
+        return Hierarchy(self.models, self.partitions, self.rigs, taxonomy.instances, parts)
 
     @cached_property
     def looks(self) -> Looks:

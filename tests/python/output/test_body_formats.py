@@ -109,7 +109,16 @@ def both(small_scene):
         "bodies.planet.annotate": True,
         "bodies.planet.landmarks": {"a": {"lon_deg": 0.0, "lat_deg": 0.0}},
         "camera.trajectory.sun_angle_deg": None,
-        "render.channels": ["rgb", "instance", "part", "objects", "masks", "keypoints", "depth"],
+        "render.channels": [
+            "rgb",
+            "instance",
+            "part",
+            "objects",
+            "masks",
+            "keypoints",
+            "depth",
+            "hierarchy",
+        ],
     }
     return perilune.open(small_scene, overrides=changes)
 
@@ -152,6 +161,25 @@ def test_coco_has_bodies(both, written):
         assert len(row["keypoints"]) == 3
     parts = json.loads((written / "coco/annotations/parts_train.json").read_text())
     assert {row["object"] for row in parts["annotations"]} == {"probe", "planet"}
+
+
+def test_hierarchy_in_files(both, written):
+    """As annotations with parents in COCO, as a table elsewhere."""
+    told = json.loads((written / "coco/annotations/hierarchy_train.json").read_text())
+    rows = {row["id"]: row for row in told["annotations"]}
+    assert {row["kind"] for row in rows.values()} == {"spacecraft", "node", "part"}
+    for row in rows.values():
+        assert row["parent"] is None or rows[row["parent"]]["image_id"] == row["image_id"]
+    for index in FRAMES:
+        table = both.frame(index, ["hierarchy"]).hierarchy
+        seen = table[table["px_count_visib"] > 0]
+        mine = [row for row in rows.values() if row["image_id"] == index]
+        assert [row["name"] for row in mine] == seen["name"].tolist()
+        assert [row["area"] for row in mine] == seen["px_count_visib"].tolist()
+        bop = np.load(written / f"bop/train/000000/hierarchy/{index:06d}.npy")
+        np.testing.assert_array_equal(bop, table)
+        npz = np.load(written / f"npz/{index:06d}.npz")["hierarchy"]
+        np.testing.assert_array_equal(npz, table)
 
 
 def test_yolo_has_bodies(both, written):

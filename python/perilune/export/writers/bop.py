@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perilune import _core
-from perilune.document.references import KEYPOINTS
+from perilune.document.references import HIERARCHY, KEYPOINTS
 from perilune.export.writers.bop_channels import (
     TABLES,
     ChannelFiles,
@@ -184,7 +184,8 @@ def write_image(
     for name, channel in pictures.items():
         _core.png_write(str(folder.picture(im_id, name)), sample[channel], PNG_LEVEL)
     for name, files in channels.items():
-        values = tables[name] if name in tables else sample[name]
+        own = sample.hierarchy if name == HIERARCHY else None
+        values = tables[name] if name in tables else sample[name] if own is None else own
         files.write(folder.channel(im_id, name), values)
     _core.png_write(str(folder.depth(im_id)), depth, PNG_LEVEL)
     points = keypoint_rows(sample) if keypoints else None

@@ -154,6 +154,7 @@ def card(
         f"`{SOURCE_FILE}` holds versions and the hashes of models and maps. Bodies are annotated "
         "where the configuration says so. Depth is that of everything seen up to the farthest "
         "spacecraft, and beyond it may be 0; in images without one it is that of the annotated "
-        "bodies, or else of all that is seen. Labels are those of the ray through a pixel's centre.",
+        "bodies, or else of all that is seen. Labels are those of the ray through a pixel's "
+        "centre.",
     ]
     return "\n".join(lines) + "\n"

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from perilune import _core
 from perilune.camera import bands
-from perilune.document.references import MASKS, OBJECTS, OF_SENSOR
+from perilune.document.references import HIERARCHY, MASKS, OBJECTS, OF_SENSOR
 from perilune.export.writers.bop_files import RGB_FOLDER
 from perilune.export.writers.files import PNG_LEVEL, write_bytes
 from perilune.export.writers.scans import scan_names
@@ -102,6 +102,8 @@ def channel_files(sim: Simulation) -> dict[str, ChannelFiles]:
     found = {
         name: _files_of(sim, name) for name in names if name in render.channels and name not in held
     }
+    if HIERARCHY in render.channels:
+        found[HIERARCHY] = ChannelFiles(NPY, "table", 0)
     for table, (channel, *_) in TABLES.items():
         if channel in found and bodies_with(sim.config, table):
             found[table] = ChannelFiles(NPY, "table", 0)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from perilune import _core
-from perilune.document.references import KEYPOINTS, MASKS, OBJECTS
+from perilune.document.references import HIERARCHY, KEYPOINTS, MASKS, OBJECTS
 from perilune.export.writers.bop_channels import TABLES
 from perilune.export.writers.scans import is_scan, scan_doc, scan_names
 from perilune.frame.craters import bodies_with
@@ -59,13 +59,16 @@ def described(sim: Simulation, names: list[str]) -> dict[str, Channel]:
     rows = {row["name"]: row for row in _core.CHANNELS}
     found = {name: _image(sim, name, row) for name, row in rows.items() if name in names}
     if OBJECTS in names:
-        doc = "pose, boxes and visibility of each spacecraft"
+        doc = "pose, boxes and visibility of each object"
         found[OBJECTS] = Channel(OBJECTS, TABLE, "table", 0, "", doc)
     if KEYPOINTS in names:
         doc = "keypoints of spacecraft and landmarks of bodies"
         found[KEYPOINTS] = Channel(KEYPOINTS, TABLE, "table", 0, "", doc)
+    if HIERARCHY in names:
+        doc = "pose, boxes and visibility of spacecraft, their nodes and parts, as a tree"
+        found[HIERARCHY] = Channel(HIERARCHY, TABLE, "table", 0, "", doc)
     if MASKS in names:
-        doc = "silhouette of each spacecraft, whole and visible"
+        doc = "whole silhouette of each object"
         found[MASKS] = Channel(MASKS, STACK, "bool", 0, "", doc)
     for name in filter(is_scan, names):
         found[name] = Channel(name, TABLE, "table", 0, "", scan_doc(name))

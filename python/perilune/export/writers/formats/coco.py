@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from perilune.document.references import KEYPOINTS, MASKS
+from perilune.document.references import HIERARCHY, KEYPOINTS, MASKS
 from perilune.export.writers.bop_labels import DATE
 from perilune.export.writers.formats.base import (
     Array,
@@ -66,15 +66,15 @@ class Coco(Format):
         "`SPLIT/NNNNNN.png`, `panoptic_SPLIT/NNNNNN.png`, and in `annotations/` "
         "`instances_SPLIT.json` (boxes, RLE and keypoints of objects; boxes are of visible "
         "pixels, `bbox_amodal` of whole silhouettes), `panoptic_SPLIT.json` (spacecraft and "
-        "bodies), `parts_SPLIT.json` (with `part`); categories are the classes of the level "
-        "`object`, of parts those of the level `part`"
+        "bodies), `parts_SPLIT.json` (with `part`), `hierarchy_SPLIT.json` (with `hierarchy`); "
+        "categories are the classes of the level `object`, of parts those of the level `part`"
     )
     reader = "pycocotools, panopticapi, Detectron2, MMDetection, torchvision"
     needs = ("picture", "instance", "objects")
 
     def holds(self, channel: Channel) -> bool:
         """Pictures, and what annotations tell."""
-        return channel.name in (*COLOR, "instance", "part", MASKS, KEYPOINTS)
+        return channel.name in (*COLOR, "instance", "part", MASKS, KEYPOINTS, HIERARCHY)
 
     def describe(self, sim: Simulation) -> dict[str, Any]:
         """Names of keypoints."""
@@ -93,6 +93,8 @@ class Coco(Format):
         }
         if "part" in frame.arrays:
             labels["parts"] = self._parts(info, frame)
+        if HIERARCHY in frame.arrays:
+            labels[HIERARCHY] = self._hierarchy(info, frame)
         return Encoded(files, labels)
 
     def _instances(self, info: Info, frame: Frame, found: Mapping[int, Segment]) -> list[Any]:
@@ -147,6 +149,37 @@ class Coco(Format):
                 rows.append(entry)
         return rows
 
+    def _hierarchy(self, info: Info, frame: Frame) -> list[Any]:
+        """Annotations of the rows that are seen; `bbox` is of what is seen, `parent` an `id`."""
+        classes = {row["name"]: row["class_id"] for row in objects(info)}
+        rows = []
+        for row in frame.arrays[HIERARCHY]:
+            if row["px_count_visib"] == 0:
+                continue
+            x, y, w, h = row["bbox_visib"].tolist()
+            X, Y, W, H = row["bbox_obj"].tolist()
+            first = frame.index * _MOST
+            rows.append(
+                {
+                    "id": first + int(row["id"]),
+                    "parent": first + int(row["parent"]) if row["parent"] else None,
+                    "image_id": frame.index,
+                    "category_id": classes[str(row["object"])],
+                    "name": str(row["name"]),
+                    "object": str(row["object"]),
+                    "kind": str(row["kind"]),
+                    "part_id": int(row["part_id"]),
+                    "area": int(row["px_count_visib"]),
+                    "bbox": [x, y, w + 1, h + 1],
+                    "bbox_amodal": [X, Y, W + 1, H + 1],
+                    "iscrowd": 0,
+                    "visib_fract": float(row["visib_fract"]),
+                    "R_m2c": row["R_m2c"].tolist(),
+                    "t_m2c": row["t_m2c"].tolist(),
+                }
+            )
+        return rows
+
     def finish(
         self, info: Info, records: Callable[[], Iterator[Record]]
     ) -> Iterator[tuple[str, Iterable[bytes]]]:
@@ -172,6 +205,11 @@ class Coco(Format):
             f"annotations/panoptic_{split}.json",
             _text(info, records, "panoptic", panoptic, _by_image),
         )
+        if HIERARCHY in info["channels"]:
+            yield (
+                f"annotations/hierarchy_{split}.json",
+                _text(info, records, HIERARCHY, things, _flat),
+            )
         if "part" in info["channels"]:
             owners = {row["name"] for row in objects(info)}
             parts = [row for row in taxonomy["parts"] if row["owner"] in owners]

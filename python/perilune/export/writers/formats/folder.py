@@ -13,7 +13,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from perilune.document.references import KEYPOINTS, OBJECTS
+from perilune.document.references import OBJECTS
+from perilune.document.references import TABLES as SAMPLE_TABLES
 from perilune.export.writers.bop_channels import TABLES
 from perilune.export.writers.config_file import CONFIG_FILE, config_entry, config_text
 from perilune.export.writers.files import (
@@ -190,8 +191,8 @@ def frame_of(info: Mapping[str, Any], sample: Sample, tables: Tables, record: Re
     for name in info["channels"]:
         if name == OBJECTS:
             arrays[name] = sample.objects
-        elif name == KEYPOINTS:
-            arrays[name] = sample.keypoints
+        elif name in SAMPLE_TABLES:
+            arrays[name] = getattr(sample, name)
         else:
             arrays[name] = tables[name] if name in tables else sample[name]
     return Frame(record["index"], arrays, record, sample, tables.get(NEXT))
