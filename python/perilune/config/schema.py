@@ -512,10 +512,8 @@ class Config(Strict):
 
     @property
     def objects(self) -> tuple[str, ...]:
-        """Names of all that has object labels, in their order: spacecraft, then the bodies with
-        `annotate`."""
-        bodies = [name for name, body in self.bodies.items() if body.annotate]
-        return (*self.spacecraft, *bodies)
+        """Names of what has object labels: spacecraft, then the bodies with `annotate`."""
+        return (*self.spacecraft, *(name for name, body in self.bodies.items() if body.annotate))
 
     @property
     def timeline(self) -> Timeline:
