@@ -196,8 +196,7 @@ class Simulation(RangeSensors, Costed):
 
     @property
     def obj_ids(self) -> Mapping[str, int]:
-        """Spacecraft or body with `annotate` -> id of its model in BOP, in the order of
-        `Sample.objects`."""
+        """Name -> id of its model in BOP, in the order of `Sample.objects`."""
         return self._mine().obj_ids
 
     @property
@@ -440,10 +439,8 @@ class Simulation(RangeSensors, Costed):
         if found is not None:
             tables[KEYPOINTS] = handles.keypoints.table(found)
         if groups is not None:
-            scales = handles.scales(scene.config)
-            tables[HIERARCHY] = handles.hierarchy.table(groups, scales, meta["articulation"])
-        stars = seen(result["stars"])
-        return Sample(arrays, objects, label, meta, result["plan"], stars, tables)
+            tables[HIERARCHY] = handles.hierarchy_of(scene.config, groups, meta["articulation"])
+        return Sample(arrays, objects, label, meta, result["plan"], seen(result["stars"]), tables)
 
     def terrain(self, index: int, body: str | None = None) -> _core.Terrain:
         """The ground of a body in a frame: heights, slopes and craters at any place.

@@ -43,6 +43,7 @@ from perilune.spacecraft.parts import Partition, partition
 from perilune.world import World
 
 F64 = NDArray[np.float64]
+Array = NDArray[Any]
 
 _STAGES = 4
 """Number of scenes with renderers, and of atmospheres, to cache."""
@@ -304,6 +305,10 @@ class Handles:
         taxonomy = self.taxonomy
         parts = {name: taxonomy.parts_of(name) for name in self.models}
         return Hierarchy(self.models, self.partitions, self.rigs, taxonomy.instances, parts)
+
+    def hierarchy_of(self, config: Config, groups: Array, moved: Mapping[str, Any]) -> Array:
+        """The rows of Sample.hierarchy; see Hierarchy.table."""
+        return self.hierarchy.table(groups, self.scales(config), moved)
 
     @cached_property
     def looks(self) -> Looks:
