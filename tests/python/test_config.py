@@ -506,7 +506,8 @@ def test_every_physical_key_has_its_unit():
         "normal_strength", "radiance_w_m2_sr", "black", "wind_m_s",  # of the ground
         "hurst", "cells_per_pixel", "border_posts", "missing",  # of terrain
         "coefficient", "exponent", "density", "ellipticity", "irregularity", "model_posts",
-        "diffusivity_exponent", "table",  # of craters
+        "diffusivity_exponent", "table", "terraces",  # of craters
+        "low", "high",  # of factors
         "block", "cube", "wedge", "slab", "tablet", "shard", "split", "cobble", "boulder", "egg",
         "breccia", "pitted", "abundance", "least_burial", "most_burial",  # of rocks
         "least_depth", "least_kept", "classes",  # of labels
