@@ -79,6 +79,9 @@ static void test_slerp(void **state) {
   const pl_quat a = pl_quat_axis_angle(z, 0.3), near = pl_quat_axis_angle(z, 0.3 + 1e-6);
   const pl_quat middle = pl_quat_slerp(a, (pl_quat){-near.w, -near.x, -near.y, -near.z}, 0.5);
   assert_true(fabs(2.0 * atan2(middle.z, middle.w) - (0.3 + 5e-7)) < 1e-15);
+  /* nor between one rotation and itself, whose angle is 0 */
+  const pl_quat half = {0.0, 0.0, 0.0, 1.0};
+  assert_true(pl_quat_slerp(half, half, 0.3).z == 1.0);
 }
 
 static void test_pose_and_degenerate(void **state) {

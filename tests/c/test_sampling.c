@@ -141,6 +141,7 @@ static void test_power_heuristic(void **state) {
   assert_true(pl_power_heuristic(0.0f, 1.0f) == 0.0f && pl_power_heuristic(0.0f, 0.0f) == 0.0f);
   assert_true(pl_power_heuristic(INFINITY, 3.0f) == 1.0f);
   assert_true(pl_power_heuristic(3.0f, INFINITY) == 0.0f);
+  assert_true(pl_power_heuristic(INFINITY, INFINITY) == 1.0f); /* not NaN */
   assert_true(fabsf(pl_power_heuristic(1e30f, 1e30f) - 0.5f) < 1e-6f);
   for (float a = 1e-10f; a < 1e30f; a *= 7.0f) /* weights of the two strategies add up to 1 */
     assert_true(fabsf(pl_power_heuristic(a, 3.0f) + pl_power_heuristic(3.0f, a) - 1.0f) < 1e-6f);
