@@ -1,4 +1,4 @@
-"""What labels and files take beside rendering: CPU time, for one spacecraft and for 300.
+"""What labels and files take beside rendering: CPU time, for the demo and for 300 spacecraft.
 
 A frame of 640x480 pixels with 16 samples: the colour alone; then every label in view; then the
 files of each format. Times are the process's CPU time on one thread, medians of some frames; ratios
@@ -8,6 +8,7 @@ are to the colour alone. Frames are made once for all formats: files do not coun
 from __future__ import annotations
 
 import argparse
+import math
 import statistics
 import time
 from collections.abc import Callable
@@ -24,39 +25,40 @@ from perilune.export.writers.formats.tables import FORMATS
 LABELS = ["depth", "normal", "semantic", "part", "instance", "objects", "masks"]
 MEASURED = ("coco", "yolo", "png", "npz", "exr", "webdataset")
 FRAMES = 4
+MODEL = str(report.ROOT / "assets/models/tango_like.glb")
+"""A small satellite of 1 300 triangles, which stands 300 times in a view."""
 
 
 def scene(count: int) -> perilune.Simulation:
-    """The demo with this many of its satellites, on a lattice about the first."""
+    """The demo as it is; or this many small satellites, on a lattice in front of its planet."""
     sim = perilune.open(report.ROOT / "configs/demo.yaml")
-    tree = dict(sim.document.tree)
-    ((name, craft),) = tree["spacecraft"].items()
-    crafts = {name: craft}
-    side = 1
-    while side**3 < count:
-        side += 1
-    places = [(i, j, k) for i in range(side) for j in range(side) for k in range(side)]
-    for number, (i, j, k) in enumerate(places[1:count], start=1):
-        orbit = dict(craft["orbit"])
-        orbit["altitude_km"] = 500.0 + 0.003 * (i + 1)
-        orbit["mean_anomaly_deg"] = 2e-5 * (j - side / 2)
-        orbit["inclination_deg"] = 51.6 + 2e-5 * (k - side / 2)
-        crafts[f"{name}_{number:03d}"] = {**craft, "orbit": orbit}
-    far = {}
+    tree, changes = dict(sim.document.tree), {}
     if count > 1:
-        # Far enough that all are in view; they hide each other in part.
-        far = {"camera.trajectory.distance_m": [60.0, 70.0]}
-        first = dict(craft["orbit"])
-        first |= {"altitude_km": 500.0, "mean_anomaly_deg": 0.0, "inclination_deg": 51.6}
-        crafts[name] = {**craft, "orbit": first}
-    changes = {
+        ((name, craft),) = tree["spacecraft"].items()
+        orbit = craft["orbit"]
+        side = math.ceil(count ** (1.0 / 3.0))
+        places = [(i, j, k) for i in range(side) for j in range(side) for k in range(side)]
+        crafts = {}
+        for number, (i, j, k) in enumerate(places[:count]):
+            # Neighbours are some three metres away; the first one is what the camera looks at.
+            # One period for all, so that they stay together.
+            own = {
+                "eccentricity": 4e-7 * i,
+                "mean_anomaly_deg": 2.5e-5 * (j - side // 2),
+                "raan_deg": 3.2e-5 * (k - side // 2),
+            }
+            key = f"{name}_{number:03d}" if number else name
+            crafts[key] = {"model": MODEL, "size_m": 2.0, "orbit": {**orbit, **own}}
+        tree["spacecraft"] = crafts
+        # Far enough that most are in view; they hide each other in part.
+        changes["camera.trajectory.distance_m"] = [40.0, 50.0]
+    changes |= {
         "camera.width": 640,
         "camera.height": 480,
         "render.samples": 16,
         "render.channels": ["rgb", *LABELS],
-        **far,
     }
-    return perilune.open({**tree, "spacecraft": crafts}, overrides=changes, base=sim.document.base)
+    return perilune.open(tree, overrides=changes, base=sim.document.base)
 
 
 def timed(task: Callable[[], Any]) -> tuple[float, Any]:
@@ -66,14 +68,14 @@ def timed(task: Callable[[], Any]) -> tuple[float, Any]:
     return time.process_time() - start, result
 
 
-def measure(count: int) -> dict[str, float]:
+def measure(count: int, frames: int) -> dict[str, float]:
     """Medians in seconds: colour, labels, and files by format."""
     sim = scene(count)
     crafts = list(sim.config.spacecraft)
     times: dict[str, list[float]] = {}
     sim.frame(0, ["rgb"], threads=1)
     infos = {name: folder_info(FORMATS[name], sim, 1000, "train") for name in MEASURED}
-    for index in range(1, 1 + FRAMES):
+    for index in range(1, 1 + frames):
         colour, _ = timed(lambda index=index: sim.frame(index, ["rgb"], threads=1))
         both, sample = timed(lambda index=index: sim.frame(index, ["rgb", *LABELS], threads=1))
         times.setdefault("colour", []).append(colour)
@@ -97,8 +99,10 @@ def main() -> None:
     """Prints a table a number of spacecraft."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--counts", type=int, nargs="+", default=[1, 300])
-    for count in parser.parse_args().counts:
-        found = measure(count)
+    parser.add_argument("--frames", type=int, default=FRAMES)
+    given = parser.parse_args()
+    for count in given.counts:
+        found = measure(count, given.frames)
         colour = found.pop("colour")
         print(f"{count} spacecraft, {found.pop('seen'):.0f} seen; colour {colour:.2f} s")
         print("| what | s | of colour | with labels |")

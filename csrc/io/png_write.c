@@ -184,17 +184,22 @@ static pl_status check_palette(const writer *w) {
   return PL_OK;
 }
 
+static writer writer_of(const char *path, const void *samples, int width, int height, int channels,
+                        int bits, int level) {
+  return (writer){.path = path,
+                  .descriptor = -1,
+                  .samples = samples,
+                  .width = width,
+                  .height = height,
+                  .channels = channels,
+                  .bits = bits,
+                  .level = level};
+}
+
 pl_status pl_png_write(const char *path, const void *samples, int width, int height, int channels,
                        int bits, int level) {
   PL_TRY(check(path, width, height, channels, bits, level));
-  writer w = {.path = path,
-              .descriptor = -1,
-              .samples = samples,
-              .width = width,
-              .height = height,
-              .channels = channels,
-              .bits = bits,
-              .level = level};
+  writer w = writer_of(path, samples, width, height, channels, bits, level);
   pl_status status = open_temporary(&w);
   if (status == PL_OK)
     status = write_and_rename(&w);
@@ -206,17 +211,10 @@ pl_status pl_png_encode(const char *name, const void *samples, int width, int he
                         int bits, int level, const uint8_t *palette, int palette_count,
                         pl_bytes *out) {
   PL_TRY(check(name, width, height, channels, bits, level));
-  writer w = {.path = name,
-              .descriptor = -1,
-              .out = out,
-              .palette = palette,
-              .palette_count = palette_count,
-              .samples = samples,
-              .width = width,
-              .height = height,
-              .channels = channels,
-              .bits = bits,
-              .level = level};
+  writer w = writer_of(name, samples, width, height, channels, bits, level);
+  w.out = out;
+  w.palette = palette;
+  w.palette_count = palette_count;
   if (palette != NULL)
     PL_TRY(check_palette(&w));
   return encode(&w);

@@ -49,7 +49,7 @@ from perilune.export.writers.files import (
     write_text,
 )
 from perilune.export.writers.formats.record import plain, record_of
-from perilune.export.writers.run import Begun, tables_of, write_datasets
+from perilune.export.writers.run import DEFAULT_CHUNK, Begun, tables_of, write_datasets
 from perilune.export.writers.same_source import check_same_source
 from perilune.export.writers.scans import channels_of_scan, is_scan
 from perilune.export.writers.shards import Shard
@@ -63,7 +63,6 @@ _log = logging.getLogger(__name__)
 
 LABELS = ("depth", "instance", "objects", "masks")
 """Channels rendered for a frame in addition to its pictures."""
-DEFAULT_CHUNK = 1000
 _MASK_ON = np.uint8(255)
 
 

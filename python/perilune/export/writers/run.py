@@ -21,6 +21,8 @@ from perilune.sample import Sample
 from perilune.simulation import Simulation
 
 Tables = Mapping[str, NDArray[Any]]
+DEFAULT_CHUNK = 1000
+"""Frames of a chunk, unless another number is asked for."""
 NEXT = "next picture"
 """Stands among tables for the main picture of the frame after this one."""
 
@@ -183,11 +185,11 @@ def write_datasets(
     frames: range | Sequence[int],
     openers: Sequence[tuple[str | Path, Opener]],
     *,
-    chunk_size: int,
-    threads: int | None,
-    split: str,
-    shard: Shard | None,
-    progress: Progress | None,
+    chunk_size: int = DEFAULT_CHUNK,
+    threads: int | None = None,
+    split: str = "train",
+    shard: Shard | None = None,
+    progress: Progress | None = None,
 ) -> WriteReport:
     """Writes the same frames to several folders (each with its format) in one pass of rendering.
 

@@ -14,11 +14,8 @@ from perilune.export.writers.formats.base import Format
 from perilune.export.writers.formats.channels import asked_channels, asked_scans, described
 from perilune.export.writers.formats.folder import open_folder
 from perilune.export.writers.run import write_datasets
-from perilune.export.writers.shards import Shard
-from perilune.export.writers.table import Progress, Writer, WriteReport
+from perilune.export.writers.table import Writer, WriteReport
 from perilune.simulation import Simulation
-
-DEFAULT_CHUNK = 1000
 
 
 def check_held(sim: Simulation, writers: Sequence[Writer], table: Mapping[str, Writer]) -> None:
@@ -46,31 +43,17 @@ def write_formats(
     sim: Simulation,
     frames: range | Sequence[int],
     out: str | Path,
-    *,
-    chunk_size: int = DEFAULT_CHUNK,
-    threads: int | None = None,
-    split: str = "train",
-    shard: Shard | None = None,
-    progress: Progress | None = None,
+    **options: Any,
 ) -> WriteReport:
     """Writes frames in some formats: in `out` one, in a folder of its name below it each of
     several.
 
-    table: all formats, for errors. For all else see write_bop."""
+    table: all formats, for errors. options: of write_datasets. For all else see write_bop."""
     check_simulation(sim)
     check_held(sim, writers, table)
     several = len(writers) > 1
     folders = [(Path(out) / row.name if several else out, row.opener) for row in writers]
-    report = write_datasets(
-        sim,
-        frames,
-        folders,
-        chunk_size=chunk_size,
-        threads=threads,
-        split=split,
-        shard=shard,
-        progress=progress,
-    )
+    report = write_datasets(sim, frames, folders, **options)
     return WriteReport(Path(out), report.written, report.kept)
 
 
