@@ -9,13 +9,19 @@ from typing import Any
 
 from perilune.cli.command import OK, Command
 from perilune.cli.text_table import text_table
-from perilune.export.stats import QUANTILES, statistics
+from perilune.export.stats import QUANTILES, measured
 from perilune.export.writers.formats.opened import format_folders
 
 
 def _configure(parser: ArgumentParser) -> None:
     parser.add_argument("folder", metavar="DIR", help="folder of the dataset")
     parser.add_argument("--json", action="store_true", help="print one JSON object")
+    parser.add_argument(
+        "--figure",
+        metavar="FILE",
+        help="also draw histograms into a picture (needs perilune[plot]); of several formats, of "
+        "the first",
+    )
 
 
 def _table(found: dict[str, Any]) -> str:
@@ -36,7 +42,13 @@ def _table(found: dict[str, Any]) -> str:
 
 def _run(args: Namespace) -> int:
     root = Path(args.folder)
-    found = {name: statistics(root / name) for name in format_folders(root)}
+    every = {name: measured(root / name) for name in format_folders(root)}
+    found = {name: statistics for name, (statistics, _) in every.items()}
+    if args.figure is not None:
+        from perilune.show.plots.statistics import plot_statistics
+
+        _, objects = next(iter(every.values()))
+        plot_statistics(objects, root.name).savefig(args.figure)
     if args.json:
         print(json.dumps(found.get(".", found), indent=2))
         return OK

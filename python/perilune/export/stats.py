@@ -62,11 +62,11 @@ def _rows(objects: dict[int, _Columns]) -> dict[str, Any]:
     return rows
 
 
-def folder_statistics(root: Path) -> dict[str, Any]:
+def folder_statistics(root: Path, objects: dict[int, _Columns] | None = None) -> dict[str, Any]:
     """Those of bop_statistics for a dataset in a folder; `scenes` counts the scenes of the
     timeline. Of formats without labels of objects there are no instances."""
     images, scenes = 0, set()
-    objects: dict[int, _Columns] = {}
+    objects = {} if objects is None else objects
     sensors: dict[str, int] = {}
     for record in records(root):
         images += 1
@@ -87,13 +87,22 @@ def folder_statistics(root: Path) -> dict[str, Any]:
 
 def statistics(folder: str | Path) -> dict[str, Any]:
     """Statistics of a dataset of any format."""
+    return measured(folder)[0]
+
+
+def measured(folder: str | Path) -> tuple[dict[str, Any], dict[int, dict[str, list[float]]]]:
+    """Statistics of a dataset of any format, and what they are of: object id -> quantity -> a
+    value an instance."""
     root = Path(folder)
-    if FORMAT_KEY in load_object(root / SOURCE_FILE):
-        return folder_statistics(root)
-    return bop_statistics(root)
+    objects: dict[int, _Columns] = {}
+    known = FORMAT_KEY in load_object(root / SOURCE_FILE)
+    found = (folder_statistics if known else bop_statistics)(root, objects)
+    return found, dict(sorted(objects.items()))
 
 
-def bop_statistics(folder: str | Path) -> dict[str, Any]:
+def bop_statistics(
+    folder: str | Path, objects: dict[int, _Columns] | None = None
+) -> dict[str, Any]:
     """Counts, and quantiles of each quantity by object id; scenes must be complete.
 
     With sensors, `sensors` has the number of images of each."""
@@ -103,7 +112,7 @@ def bop_statistics(folder: str | Path) -> dict[str, Any]:
     except (ValueError, KeyError, TypeError) as error:
         raise ValueError(f"{root / SOURCE_FILE}: cannot be read ({error})") from error
     scenes, images = scene_folders(root / split), 0
-    objects: dict[int, _Columns] = {}
+    objects = {} if objects is None else objects
     sensors: dict[str, int] = {}
     for scene in scenes.values():
         for camera in load_object(scene / CAMERA_FILE).values():

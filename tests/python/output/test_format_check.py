@@ -8,6 +8,7 @@ import shutil
 
 import numpy as np
 import pytest
+from PIL import Image
 
 import perilune
 from perilune.cli import main
@@ -330,6 +331,14 @@ def test_the_commands_know_every_format(good, capsys, name):
     found = json.loads(capsys.readouterr().out)
     assert found["images"] == 3
     assert found["instances"] == 3
+
+
+@pytest.mark.parametrize("name", ["npz", "coco"])
+def test_figures_of_statistics(good, tmp_path, name):
+    path = tmp_path / "figure.png"
+    assert main(["stats", str(good / name), "--figure", str(path)]) == 0
+    with Image.open(path) as image:
+        assert len(np.unique(np.array(image.convert("RGB")).reshape(-1, 3), axis=0)) > 10
 
 
 def test_a_format_of_the_future_is_refused(dataset, capsys):
