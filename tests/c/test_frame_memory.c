@@ -6,7 +6,7 @@
 #include "frames.h"
 #include "graphs.h"
 
-enum { WIDTH = 48, HEIGHT = 36, TEXELS = 8 };
+enum { WIDTH = PL_DRAWS(48, 24), HEIGHT = PL_DRAWS(36, 18), TEXELS = 8 };
 
 typedef struct set {
   stage stage;
