@@ -78,7 +78,13 @@ def test_tables_are_complete() -> None:
     assert effects == [row["name"] for row in _core.EFFECTS]
     assert rows("trajectories", "| kind | the camera |") == list(TRAJECTORIES)
     channels = rows("labels", "| channel | shape and type | unit | what it is |")
-    assert channels == [*(row["name"] for row in _core.CHANNELS), "objects", "masks", "keypoints", "hierarchy"]
+    assert channels == [
+        *(row["name"] for row in _core.CHANNELS),
+        "objects",
+        "masks",
+        "keypoints",
+        "hierarchy",
+    ]
     scripts = {path.stem for path in (ROOT / "benchmarks").glob("*.py")}
     benchmarks = set(re.findall(r"^\| `benchmarks/(\w+)\.py` \|", text_of("benchmarks"), re.M))
     parts = {"report", "albedo_cycles", "terrain_frames", "terrain_numpy"}  # of others
