@@ -40,7 +40,7 @@ class Track(Place):
     """Width of a wheel."""
     depth_m: NonNegative = 0.015
     """Depth of the ruts. Soil is heaped beside them to 0.3 of it."""
-    grousers: Grousers | None = Grousers()
+    grousers: Grousers | None = Grousers.of_defaults()
     """Imprints of bars on the wheels. null: smooth wheels."""
     albedo: _Albedo = 0.9
     """Factor on the albedo of the ground in the ruts."""
