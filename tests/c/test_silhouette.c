@@ -339,7 +339,12 @@ static void bench_init(bench *b, const stage *s) {
   assert_int_equal(pl_outline_build(&b->shot, &b->clusters, b->outlines), PL_OK);
   uint8_t *cells = pl_arena_alloc(&b->arena, pl_silhouette_cells(&b->shot.camera), 1);
   assert_non_null(cells);
-  b->job = (pl_silhouette_job){&b->shot, b->seen, b->solo, cells, b->workers, 1, NULL};
+  b->job = (pl_silhouette_job){.shot = &b->shot,
+                               .seen = b->seen,
+                               .solo = b->solo,
+                               .cells = cells,
+                               .workers = b->workers,
+                               .threads = 1};
 }
 static void bench_clear(bench *b) {
   pl_cluster_cache_clear(&b->clusters);
