@@ -201,7 +201,8 @@ static void test_glass_ball_in_a_furnace(void **state) {
       }
     print_message("index %.1f, roughness %.1f: mean %.3f, least %.2f of %g\n", index[i],
                   roughness[i], mean, least, GLOW);
-    assert_true(fabs(mean / GLOW - 1.0) < PL_DRAWS(0.01, 0.03));
+    /* Noise of a quarter of a per cent, and paths that 32 bounces do not end: up to 0.8 %. */
+    assert_true(fabs(mean / GLOW - 1.0) < PL_DRAWS(0.015, 0.03));
     shot_clear(&s);
   }
   pl_model_destroy(room);
