@@ -93,7 +93,10 @@ def test_all_laws_at_every_phase(law: str) -> None:
         pixel = 2.2 / SIZE  # of the radius: what the samples of a pixel on the ball may be off by
         with np.errstate(invalid="ignore"):
             reach = pixel / np.maximum(mu, 0.05) + 0.01
-            assert (image[mu0 < -reach] == 0.0).all()
+            dark = mu0 < -reach
+            if phase >= 179.9999:  # pixels at the limb see a ring of the Sun beside the ball
+                dark &= FROM_CENTRE < 14.0
+            assert (image[dark] == 0.0).all()
             assert (image[(mu0 > reach) & (mu > 0.2)] > 0.0).all()
         if phase >= 179.9999:
             # The whole night side; the Sun's disc is up at the limb for 0.27 degrees.

@@ -29,7 +29,11 @@ NOT_RUN = {
 
 DRIVER_KEYS = {"ideal", "uniform", "median", "choice", "hook"}
 DEMO = ROOT / "configs" / "demo.yaml"
-PYTHON_PAGES = [page for page in PAGES if any(b.language == "python" for b in blocks(page))]
+PYTHON_PAGES = [
+    page
+    for page in PAGES
+    if any(block.language == "python" and not block.not_run for block in blocks(page))
+]
 YAML = [b for b in all_blocks("yaml") if not b.not_run]
 SHELL = [
     (b.page, line.split("#")[0].strip())
