@@ -95,7 +95,7 @@ def sim(tree):
 def hashes(sample):
     """SHA-256 of every array of a sample, labels and camera too, by name."""
     arrays = dict(sample.items())
-    arrays |= {"objects": sample.objects, "keypoints": sample.keypoints}
+    arrays |= {name: getattr(sample, name) for name in ("objects", "keypoints", "hierarchy")}
     arrays |= {name: getattr(sample.camera, name) for name in ("K", "R_w2c", "t_w2c")}
     result = {}
     for name, array in arrays.items():
