@@ -59,6 +59,7 @@ def demo(root, maps):
     for craft in tree["spacecraft"].values():
         craft["model"] = str((root / "configs" / craft["model"]).resolve())
     planet = tree["bodies"]["planet"]
+    planet["annotate"] = True
     planet["landmarks"] = {
         f"{lon}": {"lon_deg": float(lon), "lat_deg": 20.0} for lon in range(0, 360, 30)
     }
