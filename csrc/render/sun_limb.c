@@ -62,7 +62,9 @@ static size_t look(const pl_path_context *context, uint32_t pixel, uint32_t inde
 
 void pl_path_see_limb(const pl_path_context *context, uint32_t index, pl_tile_buffers *b) {
   size_t queued = 0;
-  for (size_t i = 0; i < b->active_count && context->sun; i++) {
+  if (!context->sun)
+    return;
+  for (size_t i = 0; i < b->active_count; i++) {
     const uint32_t pixel = b->active[i];
     const int rays = pl_path_limb_rays(context, pixel);
     for (int k = 0; k < rays; k++) {
