@@ -108,7 +108,7 @@ def painted(config: str, material: dict[str, Any]) -> perilune.Simulation:
 def evaluation_ns(sim: perilune.Simulation, repeats: int) -> tuple[int, float]:
     """Nodes evaluated at a hit, and the time of one, ns."""
     config = sim.config_at(0)[0]
-    (graph,) = sim._mine().looks.of(config).crafts["smallsat"].graphs
+    (graph,) = sim._mine().assignments.of(config).crafts["smallsat"].graphs
     given = values(graph, drivers.applied(config, "m", "smallsat"))
     parameters = np.zeros((len(given), 4), dtype=np.float32)
     parameters[:, :3] = given

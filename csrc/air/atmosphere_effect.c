@@ -8,10 +8,10 @@
 
 static const char *absent(const pl_view *view) {
   bool any = false;
-  for (size_t i = 0; i < view->thing_count; i++) {
-    if (pl_air_share(view, &view->things[i]) > 0.0)
+  for (size_t i = 0; i < view->entity_count; i++) {
+    if (pl_air_share(view, &view->entities[i]) > 0.0)
       return NULL;
-    any |= view->things[i].air != NULL;
+    any |= view->entities[i].air != NULL;
   }
   return any ? "no atmosphere is visible, and none lights anything in the frame"
              : "no body has an atmosphere";
@@ -26,7 +26,8 @@ static int ceiling(const pl_view *view) {
  * more than that at KNEE. */
 static const double SLOPE = 255.0 * 1.055 / 2.4, KNEE = 0.003;
 
-static double residual_dn(const pl_view *view, const pl_view_thing *body, int steps, double share) {
+static double residual_dn(const pl_view *view, const pl_view_entity *body, int steps,
+                          double share) {
   const pl_air_reach reach = pl_air_reach_of(body->air);
   const double bright = share * body->irradiance / view->white_radiance;
   const double long_exposure = pow(fmax(1.0, bright * PL_AIR_DARK / KNEE), PL_AIR_POWER);
@@ -38,7 +39,7 @@ static double residual_dn(const pl_view *view, const pl_view_thing *body, int st
 /* Upper bound if the atmosphere is left out altogether: scattered light is missing, and so is the
  * attenuation on the way from the sun and to the camera. The sun's disc itself may be attenuated.
  */
-static double missing_dn(const pl_view *view, const pl_view_thing *body, double share) {
+static double missing_dn(const pl_view *view, const pl_view_entity *body, double share) {
   const pl_air_reach reach = pl_air_reach_of(body->air);
   const double dimmed = -expm1(-2.0 * reach.depth);
   if (view->sun_in_frame && body->air_in_frame)
@@ -55,11 +56,11 @@ static double missing_dn(const pl_view *view, const pl_view_thing *body, double 
 
 static double bound_dn(const pl_view *view, int value) {
   double sum = 0.0;
-  for (size_t i = 0; i < view->thing_count; i++) {
-    const double share = pl_air_share(view, &view->things[i]);
+  for (size_t i = 0; i < view->entity_count; i++) {
+    const double share = pl_air_share(view, &view->entities[i]);
     if (share > 0.0)
-      sum += value > 0 ? residual_dn(view, &view->things[i], value, share)
-                       : missing_dn(view, &view->things[i], share);
+      sum += value > 0 ? residual_dn(view, &view->entities[i], value, share)
+                       : missing_dn(view, &view->entities[i], share);
   }
   return fmin(sum, 255.0);
 }

@@ -6,9 +6,9 @@
 #include "air/reach.h"
 
 static const char *absent(const pl_view *view) {
-  for (size_t i = 0; i < view->thing_count; i++)
-    if (pl_air_share(view, &view->things[i]) > 0.0 &&
-        pl_air_settings_of(view->things[i].air)->multiple)
+  for (size_t i = 0; i < view->entity_count; i++)
+    if (pl_air_share(view, &view->entities[i]) > 0.0 &&
+        pl_air_settings_of(view->entities[i].air)->multiple)
       return NULL;
   return "no atmosphere that is visible or lights anything in the frame has multiple scattering";
 }
@@ -20,8 +20,8 @@ static const char *absent(const pl_view *view) {
  * the field is off, too, by less than the Monte Carlo of tests/python/test_twilight.py sees. */
 static double bound_dn(const pl_view *view, int value) {
   double radiance = 0.0;
-  for (size_t i = 0; i < view->thing_count; i++) {
-    const pl_view_thing *body = &view->things[i];
+  for (size_t i = 0; i < view->entity_count; i++) {
+    const pl_view_entity *body = &view->entities[i];
     const double share = pl_air_share(view, body);
     if (share == 0.0)
       continue;

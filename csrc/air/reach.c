@@ -59,7 +59,7 @@ void pl_air_build_reach(pl_air *air) {
 
 pl_air_reach pl_air_reach_of(const pl_air *air) { return air->reach; }
 
-double pl_air_share(const pl_view *view, const pl_view_thing *body) {
+double pl_air_share(const pl_view *view, const pl_view_entity *body) {
   if (body->air == NULL)
     return 0.0;
   if (body->air_in_frame)

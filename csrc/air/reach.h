@@ -30,7 +30,7 @@ double pl_air_step_error(const pl_air_reach *reach, int steps);
 double pl_air_off_by(pl_vec3f is, pl_vec3f exact);
 
 /* Weight of a body's air in a frame: 1 if the air itself is in view; less if it only adds light to
- * things in the frame or attenuates their light; 0 if it has no effect. */
-double pl_air_share(const pl_view *view, const pl_view_thing *body);
+ * entities in the frame or attenuates their light; 0 if it has no effect. */
+double pl_air_share(const pl_view *view, const pl_view_entity *body);
 
 #endif

@@ -9,8 +9,8 @@ static const char *absent(const pl_view *view) { return pl_effect_atmosphere.abs
 
 static double bound_dn(const pl_view *view, int value) {
   double radiance = 0.0;
-  for (size_t i = 0; value == 0 && i < view->thing_count; i++) {
-    const pl_view_thing *body = &view->things[i];
+  for (size_t i = 0; value == 0 && i < view->entity_count; i++) {
+    const pl_view_entity *body = &view->entities[i];
     const double share = pl_air_share(view, body);
     if (share > 0.0)
       radiance += share * body->albedo_max * body->irradiance * pl_air_reach_of(body->air).sky /

@@ -31,43 +31,43 @@ void pl_extent_merge(pl_extent *into, const pl_extent *from) {
   into->count += from->count;
 }
 
-/* Where a thing is, and its ids. */
-typedef struct thing {
+/* Where an entity is, and its ids. */
+typedef struct entity {
   pl_mat3 rotation; /* own axes to root axes */
   pl_vec3 position; /* camera-relative, m */
   int32_t instance_id, obj_id;
   bool in_view;
-} thing;
+} entity;
 
-static thing thing_at(const pl_snapshot *shot, size_t slot) {
+static entity entity_at(const pl_snapshot *shot, size_t slot) {
   const pl_shot_object *object = slot < shot->object_count ? &shot->objects[slot] : NULL;
   if (slot < shot->craft_count)
-    return (thing){object->rotation, object->position, object->object->instance_id,
-                   object->object->obj_id, object->in_frame};
+    return (entity){object->rotation, object->position, object->object->instance_id,
+                    object->object->obj_id, object->in_frame};
   const pl_shot_body *body =
       &shot->bodies[object != NULL ? (size_t)object->object->body : slot - shot->object_count];
-  return (thing){body->rotation, body->center, body->body->instance_id, body->body->obj_id,
-                 object != NULL ? object->in_frame : body->in_frame};
+  return (entity){body->rotation, body->center, body->body->instance_id, body->body->obj_id,
+                  object != NULL ? object->in_frame : body->in_frame};
 }
 
 void pl_object_label_fill(const pl_snapshot *shot, size_t slot, const pl_extent *extent,
                           pl_object_label *out) {
-  const thing thing = thing_at(shot, slot);
-  const pl_mat3 r = pl_mat3_mul(pl_mat3_transpose(shot->camera_to_root), thing.rotation);
-  const pl_vec3 t = pl_mat3_mul_vec_t(shot->camera_to_root, thing.position);
+  const entity entity = entity_at(shot, slot);
+  const pl_mat3 r = pl_mat3_mul(pl_mat3_transpose(shot->camera_to_root), entity.rotation);
+  const pl_vec3 t = pl_mat3_mul_vec_t(shot->camera_to_root, entity.position);
   *out = (pl_object_label){
       .R_m2c = {r.row[0].x, r.row[0].y, r.row[0].z, r.row[1].x, r.row[1].y, r.row[1].z, r.row[2].x,
                 r.row[2].y, r.row[2].z},
       .t_m2c = {t.x, t.y, t.z},
       .visib_fract = NAN,
-      .instance_id = thing.instance_id,
-      .obj_id = thing.obj_id,
+      .instance_id = entity.instance_id,
+      .obj_id = entity.obj_id,
       .bbox_visib = {-1, -1, -1, -1},
       .bbox_obj = {-1, -1, -1, -1},
       .px_count_visib = extent->count,
       .px_count_all = -1,
       .px_count_valid = -1,
-      .in_view = thing.in_view,
+      .in_view = entity.in_view,
   };
   if (extent->count > 0) {
     out->bbox_visib[0] = extent->x0;

@@ -69,7 +69,7 @@ static void merge(pl_silhouette *into, const pl_silhouette *from) {
   into->rays += from->rays;
 }
 
-/* Whether a pixel shows the thing, or of it the parts that count. */
+/* Whether a pixel shows the entity, or of it the parts that count. */
 static bool is_seen(const pl_silhouette_job *job, size_t slot, const pl_seen *seen) {
   if (pl_surface_is_none(seen->surface_id) || pl_shot_slot(job->shot, seen->surface_id) != slot)
     return false;
@@ -239,7 +239,7 @@ static bool is_nowhere(const pl_outline *outline, const pl_extent *extent) {
   return extent->count == 0 && outline->rect.x0 > outline->rect.x1;
 }
 
-static pl_status choose_thing(const pl_silhouette_job *job, size_t slot) {
+static pl_status choose_entity(const pl_silhouette_job *job, size_t slot) {
   const pl_snapshot *shot = job->shot;
   if (slot >= shot->object_count)
     return pl_solo_set_body(job->solo, &shot->bodies[slot - shot->object_count]);
@@ -260,7 +260,7 @@ pl_status pl_silhouette_find(const pl_silhouette_job *job, size_t slot, const pl
     job->workers[i] = nothing;
   mark_cells(&search, rows);
   if (!outline->whole)
-    PL_TRY(choose_thing(job, slot));
+    PL_TRY(choose_entity(job, slot));
   PL_TRY(pl_parallel_for(job->threads, (size_t)search.columns * (size_t)rows, search_tile, &search,
                          job->cancel));
   *out = nothing;

@@ -51,10 +51,10 @@ typedef struct pl_silhouette_job {
   const uint8_t *parts;
 } pl_silhouette_job;
 
-/* Finds the silhouette of the thing in a slot (pl_shot_slot): an object, or a body without a shape,
- * with its ground. `extent` is that of its visible pixels. `mask` is NULL,
- * or a height x width image of zeros that becomes 1 on the silhouette. The result does not depend
- * on the number of threads. */
+/* Finds the silhouette of the entity in a slot (pl_shot_slot): an object, or a body without a
+ * shape, with its ground. `extent` is that of its visible pixels. `mask` is NULL, or a height x
+ * width image of zeros that becomes 1 on the silhouette. The result does not depend on the number
+ * of threads. */
 pl_status pl_silhouette_find(const pl_silhouette_job *job, size_t slot, const pl_outline *outline,
                              const pl_extent *extent, uint8_t *mask, pl_silhouette *out);
 

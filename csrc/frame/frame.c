@@ -109,13 +109,13 @@ static pl_status check_request(const pl_frame_request *request) {
 
 /* --- the frame -------------------------------------------------------------------------------- */
 
-/* Returns the radiance of a white Lambert surface that faces the sun, at the thing in the frame
+/* Returns the radiance of a white Lambert surface that faces the sun, at the entity in the frame
  * with the highest irradiance. */
 static double sunlit_white(const pl_snapshot *shot, const pl_view *view) {
   double irradiance = pl_shot_sun_irradiance(&shot->sun, (pl_vec3){0.0, 0.0, 0.0});
-  for (size_t i = 0; i < view->thing_count; i++)
-    if (view->things[i].in_frame)
-      irradiance = fmax(irradiance, view->things[i].irradiance);
+  for (size_t i = 0; i < view->entity_count; i++)
+    if (view->entities[i].in_frame)
+      irradiance = fmax(irradiance, view->entities[i].irradiance);
   return fmax(irradiance / PL_PI, 1e-30);
 }
 

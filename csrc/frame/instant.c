@@ -144,8 +144,8 @@ static pl_status add_emitters(const pl_choice *choice, pl_arena *arena, pl_insta
 static pl_status add_planetshine(const pl_choice *choice, pl_arena *arena, pl_instant *out) {
   if (!choice->settings.effects.planetshine || out->shot.body_count == 0)
     return PL_OK;
-  PL_TRY(pl_planetshine_build(&out->shot, &out->settings, arena, &out->shine));
-  out->settings.shine = out->shine.any ? &out->shine : NULL;
+  PL_TRY(pl_planetshine_build(&out->shot, &out->settings, arena, &out->planetshine));
+  out->settings.planetshine = out->planetshine.any ? &out->planetshine : NULL;
   return PL_OK;
 }
 

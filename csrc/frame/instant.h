@@ -43,7 +43,7 @@ typedef struct pl_instant {
   pl_emitters emitters;
   pl_air_view air;
   pl_media media;
-  pl_planetshine shine;
+  pl_planetshine planetshine;
   pl_caustics caustics;
   pl_limb limb;
   /* those of the choice, with pointers to the structs above that are in use */

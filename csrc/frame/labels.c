@@ -129,9 +129,9 @@ static pl_extent extent_of(const pl_labels *labels, size_t slot) {
   return extent;
 }
 
-/* `slot`: of the thing; `row`: of its label. */
-static pl_status label_thing(const pl_labels *labels, const pl_silhouette_job *job, size_t slot,
-                             size_t row) {
+/* `slot`: of the entity; `row`: of its label. */
+static pl_status label_entity(const pl_labels *labels, const pl_silhouette_job *job, size_t slot,
+                              size_t row) {
   const pl_snapshot *shot = labels->shot;
   const pl_extent extent = extent_of(labels, slot);
   if (labels->request->objects != NULL)
@@ -174,14 +174,14 @@ static pl_status label_groups(const pl_labels *labels, const pl_silhouette_job *
   return PL_OK;
 }
 
-static pl_status label_things(const pl_labels *labels, const pl_silhouette_job *job) {
+static pl_status label_entities(const pl_labels *labels, const pl_silhouette_job *job) {
   const pl_snapshot *shot = labels->shot;
   size_t row = 0;
   for (; row < shot->craft_count; row++)
-    PL_TRY(label_thing(labels, job, row, row));
+    PL_TRY(label_entity(labels, job, row, row));
   for (size_t i = 0; i < shot->body_count; i++)
     if (has_label(&shot->bodies[i]))
-      PL_TRY(label_thing(labels, job, slot_of_body(shot, i), row++));
+      PL_TRY(label_entity(labels, job, slot_of_body(shot, i), row++));
   return PL_OK;
 }
 
@@ -223,6 +223,6 @@ pl_status pl_labels_finish(const pl_labels *labels, pl_accelerators *kept, pl_la
       .threads = threads,
       .cancel = labels->request->cancel,
   };
-  PL_TRY(label_things(labels, &job));
+  PL_TRY(label_entities(labels, &job));
   return label_groups(labels, &job, arena);
 }

@@ -54,12 +54,12 @@ static bool is_subpixel(const pl_snapshot *shot, const pl_view *view, double tol
   const pl_shot_body *body = &shot->bodies[i];
   const pl_surface_id id = surface_of(shot, i);
   const pl_geometry_bounds ball = pl_geometry_of(id)->bounds(shot, id);
-  const pl_view_thing *thing = &view->things[pl_shot_slot(shot, id)];
+  const pl_view_entity *entity = &view->entities[pl_shot_slot(shot, id)];
   const double size = ball.in_frame ? diameter_px(shot, &ball) : INFINITY;
   const double covered = fmin(1.0, size * size);
   return shot->camera.aperture_m == 0.0 && body->body->rings == NULL &&
          body->state->clouds.altitude_m < HIGH * body->radius_m && size < DIAMETER_PX &&
-         pl_view_sky_dn(view, 4.0 * covered * pl_view_light(thing)) > 0.125 * tolerance_dn;
+         pl_view_sky_dn(view, 4.0 * covered * pl_view_light(entity)) > 0.125 * tolerance_dn;
 }
 
 pl_status pl_subpixel_find(const pl_snapshot *shot, const pl_view *view, double tolerance_dn,

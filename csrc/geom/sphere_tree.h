@@ -1,4 +1,4 @@
-/* Trees of bounding spheres over things that are spheres themselves: instances of a tracer, objects
+/* Trees of bounding spheres over items that are spheres themselves: instances of a tracer, objects
  * and bodies of a snapshot. */
 #ifndef PL_GEOM_SPHERE_TREE_H
 #define PL_GEOM_SPHERE_TREE_H
@@ -14,15 +14,15 @@
 #define PL_INNER_NODE UINT32_MAX
 #define PL_NO_ITEM UINT32_MAX /* from searches of the tree, after the last */
 
-/* Sphere of one thing, or a sphere about those of all things from the next node up to `after`. */
+/* Sphere of one item, or a sphere about those of all items from the next node up to `after`. */
 typedef struct pl_sphere {
   pl_vec3 center;
   double radius_m;
   uint32_t after; /* index of the first sphere behind its subtree */
-  uint32_t item;  /* index of the thing; PL_INNER_NODE for an inner node */
+  uint32_t item;  /* index of the item; PL_INNER_NODE for an inner node */
 } pl_sphere;
 
-/* In depth-first order: each sphere is followed by its subtree. A few things are in a row, without
+/* In depth-first order: each sphere is followed by its subtree. A few items are in a row, without
  * inner nodes, in their order. */
 typedef struct pl_sphere_tree {
   const pl_sphere *nodes;

@@ -5,8 +5,9 @@
 #include <math.h>
 
 static const char *absent(const pl_view *view) {
-  for (size_t i = 0; i < view->thing_count; i++)
-    if (view->things[i].emission_max > 0.0 && (view->thing_count > 1 || !view->things[i].is_body))
+  for (size_t i = 0; i < view->entity_count; i++)
+    if (view->entities[i].emission_max > 0.0 &&
+        (view->entity_count > 1 || !view->entities[i].is_body))
       return NULL;
   return "nothing in the scene emits light onto anything";
 }
@@ -17,15 +18,15 @@ static int ceiling(const pl_view *view) {
   return 2;
 }
 
-static double emitted(const pl_view_thing *source, const void *context) {
+static double emitted(const pl_view_entity *source, const void *context) {
   (void)context;
   return source->emission_max;
 }
 
-/* Upper bound of the radiance that things[i] reflects in any direction of the light that it
+/* Upper bound of the radiance that entities[i] reflects in any direction of the light that it
  * receives from emitters. A mesh may illuminate itself. */
 static double sent_on(const pl_view *view, size_t i) {
-  const pl_view_thing *receiver = &view->things[i];
+  const pl_view_entity *receiver = &view->entities[i];
   const double own = receiver->is_body ? 0.0 : pl_view_transfer(receiver, receiver);
   return pl_view_sum(view, receiver, emitted, NULL) + own * receiver->emission_max;
 }
@@ -35,10 +36,10 @@ static double sent_on(const pl_view *view, size_t i) {
 static double bound_dn(const pl_view *view, int value) {
   double radiance = 0.0;
   pl_view_weigh(view, emitted, NULL);
-  for (size_t i = 0; i < view->thing_count && radiance < view->white_radiance; i++) {
-    const pl_view_thing *thing = &view->things[i];
-    const bool lit = value > (thing->is_body ? 1 : 0);
-    if (!lit && (thing->in_frame || view->max_bounces > 0))
+  for (size_t i = 0; i < view->entity_count && radiance < view->white_radiance; i++) {
+    const pl_view_entity *entity = &view->entities[i];
+    const bool lit = value > (entity->is_body ? 1 : 0);
+    if (!lit && (entity->in_frame || view->max_bounces > 0))
       radiance = fmax(radiance, sent_on(view, i));
   }
   return pl_view_dn(view, radiance * pl_view_series(view, view->max_bounces + 1));

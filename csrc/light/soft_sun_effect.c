@@ -12,24 +12,24 @@
 static const double TERMINATOR = 0.21220659;
 
 static const char *absent(const pl_view *view) {
-  for (size_t i = 0; i < view->thing_count; i++)
-    if (view->things[i].in_frame && view->things[i].irradiance > 0.0)
+  for (size_t i = 0; i < view->entity_count; i++)
+    if (view->entities[i].in_frame && view->entities[i].irradiance > 0.0)
       return NULL;
   return "nothing in the frame is lit by the sun";
 }
 
 typedef struct penumbra {
   const pl_view *view;
-  const pl_view_thing *receiver;
+  const pl_view_entity *receiver;
   double pixel_m;
   double widest; /* so far */
 } penumbra;
 
 /* Test for pl_view_any: raises `widest` to the caster's penumbra. Casters, and groups of them
  * (`several`), whose penumbra cannot exceed the widest so far are skipped. */
-static bool widen(const pl_view_thing *caster, bool several, void *context) {
+static bool widen(const pl_view_entity *caster, bool several, void *context) {
   penumbra *p = context;
-  const pl_view_thing *receiver = p->receiver;
+  const pl_view_entity *receiver = p->receiver;
   double square = 0.0;
   if (!several && caster == receiver && caster->is_body)
     return false;
@@ -46,8 +46,8 @@ static bool widen(const pl_view_thing *caster, bool several, void *context) {
 
 double pl_penumbra_px(const pl_view *view) {
   penumbra p = {.view = view};
-  for (size_t i = 0; i < view->thing_count && !isinf(p.widest); i++) {
-    p.receiver = &view->things[i];
+  for (size_t i = 0; i < view->entity_count && !isinf(p.widest); i++) {
+    p.receiver = &view->entities[i];
     if (!p.receiver->in_frame)
       continue;
     p.pixel_m = fmax(p.receiver->distance_m - p.receiver->radius_m, 0.0) * view->pixel_rad;

@@ -5,8 +5,8 @@
 #include "plan/view_tree.h"
 
 bool pl_view_has(const pl_view *view, pl_view_picks picks) {
-  for (size_t i = 0; i < view->thing_count; i++)
-    if (picks(&view->things[i], 0))
+  for (size_t i = 0; i < view->entity_count; i++)
+    if (picks(&view->entities[i], 0))
       return true;
   return false;
 }
@@ -16,25 +16,25 @@ typedef struct change {
   int value;
 } change;
 
-static double picked_light(const pl_view_thing *source, const void *context) {
+static double picked_light(const pl_view_entity *source, const void *context) {
   const change *change = context;
   return change->picks(source, change->value) ? pl_view_light(source) : 0.0;
 }
 
-/* Upper bound of the indirect light that picked things send onto things[i]. */
+/* Upper bound of the indirect light that picked entities send onto entities[i]. */
 static double indirect(const pl_view *view, const change *change, size_t i) {
-  return pl_view_sum(view, &view->things[i], picked_light, change) *
+  return pl_view_sum(view, &view->entities[i], picked_light, change) *
          pl_view_series(view, view->max_bounces);
 }
 
-/* Upper bound of the change of a thing's own radiance: a diffuse surface can gain or lose all light
- * that it receives, a glossy one can reflect the sun to the camera. */
+/* Upper bound of the change of an entity's own radiance: a diffuse surface can gain or lose all
+ * light that it receives, a glossy one can reflect the sun to the camera. */
 static double own(const pl_view *view, size_t i) {
-  const pl_view_thing *thing = &view->things[i];
-  if (!thing->diffuse)
+  const pl_view_entity *entity = &view->entities[i];
+  if (!entity->diffuse)
     return view->white_radiance;
-  const double direct = thing->albedo_max * thing->irradiance / 3.14159265358979;
-  return (direct + thing->emission_max + pl_view_received(view, i)) *
+  const double direct = entity->albedo_max * entity->irradiance / 3.14159265358979;
+  return (direct + entity->emission_max + pl_view_received(view, i)) *
          pl_view_series(view, view->max_bounces + 1);
 }
 
@@ -42,9 +42,9 @@ double pl_view_changed_dn(const pl_view *view, pl_view_picks picks, int value) {
   const change change = {picks, value};
   double radiance = 0.0;
   pl_view_weigh(view, picked_light, &change);
-  for (size_t i = 0; i < view->thing_count && radiance < view->white_radiance; i++)
-    if (view->things[i].in_frame)
+  for (size_t i = 0; i < view->entity_count && radiance < view->white_radiance; i++)
+    if (view->entities[i].in_frame)
       radiance = fmax(radiance, indirect(view, &change, i) +
-                                    (picks(&view->things[i], value) ? own(view, i) : 0.0));
+                                    (picks(&view->entities[i], value) ? own(view, i) : 0.0));
   return pl_view_dn(view, radiance);
 }

@@ -34,18 +34,18 @@ double pl_view_dn_dimming(double fraction) {
 
 double pl_view_radiance_max(const pl_view *view) {
   double largest = 0.0;
-  for (size_t i = 0; i < view->thing_count; i++) {
-    const pl_view_thing *thing = &view->things[i];
-    if (thing->in_frame)
-      largest = fmax(largest, thing->albedo_max * thing->irradiance / PI);
+  for (size_t i = 0; i < view->entity_count; i++) {
+    const pl_view_entity *entity = &view->entities[i];
+    if (entity->in_frame)
+      largest = fmax(largest, entity->albedo_max * entity->irradiance / PI);
   }
   return largest;
 }
 
 double pl_view_media_max(const pl_view *view) {
   double sum = 0.0;
-  for (size_t i = 0; i < view->thing_count; i++)
-    sum += view->things[i].rings_in_frame ? view->things[i].rings_light : 0.0;
+  for (size_t i = 0; i < view->entity_count; i++)
+    sum += view->entities[i].rings_in_frame ? view->entities[i].rings_light : 0.0;
   for (size_t i = 0; i < view->volume_count; i++)
     if (view->volumes[i].in_frame)
       sum += view->volumes[i].scattered + view->volumes[i].emitted;
@@ -54,17 +54,17 @@ double pl_view_media_max(const pl_view *view) {
 
 double pl_view_emission_max(const pl_view *view) {
   double largest = 0.0;
-  for (size_t i = 0; i < view->thing_count; i++)
-    if (view->things[i].in_frame)
-      largest = fmax(largest, view->things[i].emission_max);
+  for (size_t i = 0; i < view->entity_count; i++)
+    if (view->entities[i].in_frame)
+      largest = fmax(largest, view->entities[i].emission_max);
   return largest;
 }
 
 double pl_view_step(const pl_view *view) {
   double step = pl_view_radiance_max(view);
   /* a surface that emits lights others to at most its own radiance */
-  for (size_t i = 0; i < view->thing_count; i++)
-    step = fmax(step, view->things[i].emission_max);
+  for (size_t i = 0; i < view->entity_count; i++)
+    step = fmax(step, view->entities[i].emission_max);
   step += pl_view_media_max(view);
   if (pl_view_alpha_min(view) < 1.0 || view->sun_in_frame)
     step = view->white_radiance;
@@ -90,9 +90,9 @@ double pl_view_sky_dn(const pl_view *view, double radiance) {
 
 double pl_view_alpha_min(const pl_view *view) {
   double smallest = 1.0;
-  for (size_t i = 0; i < view->thing_count; i++)
-    if (view->things[i].in_frame)
-      smallest = fmin(smallest, view->things[i].ggx_alpha_min);
+  for (size_t i = 0; i < view->entity_count; i++)
+    if (view->entities[i].in_frame)
+      smallest = fmin(smallest, view->entities[i].ggx_alpha_min);
   return smallest;
 }
 
@@ -102,8 +102,8 @@ static double dot(const double a[3], const double b[3]) {
 
 /* The penumbra is the inside of the cone of internal tangents of the sun and the caster. Its apex
  * lies between them, radius / sine of the half angle before the caster's centre. */
-bool pl_view_shadow_reaches(const pl_view *view, const pl_view_thing *caster,
-                            const pl_view_thing *receiver) {
+bool pl_view_shadow_reaches(const pl_view *view, const pl_view_entity *caster,
+                            const pl_view_entity *receiver) {
   double axis[3], from_apex[3], offset[3];
   for (int k = 0; k < 3; k++) {
     axis[k] = caster->center_m[k] - view->sun_position_m[k];
@@ -129,17 +129,17 @@ bool pl_view_shadow_reaches(const pl_view *view, const pl_view_thing *caster,
 
 typedef struct shade_query {
   const pl_view *view;
-  const pl_view_thing *receiver;
+  const pl_view_entity *receiver;
 } shade_query;
 
-static bool shades(const pl_view_thing *caster, bool several, void *context) {
+static bool shades(const pl_view_entity *caster, bool several, void *context) {
   const shade_query *query = context;
   return (several || caster != query->receiver) &&
          pl_view_shadow_reaches(query->view, caster, query->receiver);
 }
 
 bool pl_view_shadowed(const pl_view *view, size_t i) {
-  shade_query query = {.view = view, .receiver = &view->things[i]};
+  shade_query query = {.view = view, .receiver = &view->entities[i]};
   if (!query.receiver->is_body)
     return true; /* a mesh can shadow itself */
   return view->shadowed != NULL ? view->shadowed[i] : pl_view_any(view, shades, &query);
@@ -150,8 +150,8 @@ static double distance_m(const double a[3], const double b[3]) {
   return sqrt(dot(offset, offset));
 }
 
-double pl_view_hidden_sun(const pl_view *view, const pl_view_thing *caster,
-                          const pl_view_thing *receiver) {
+double pl_view_hidden_sun(const pl_view *view, const pl_view_entity *caster,
+                          const pl_view_entity *receiver) {
   const double gap = distance_m(receiver->center_m, caster->center_m) - receiver->radius_m;
   const double farthest = distance_m(receiver->center_m, view->sun_position_m) + receiver->radius_m;
   if (!pl_view_shadow_reaches(view, caster, receiver))
@@ -162,7 +162,7 @@ double pl_view_hidden_sun(const pl_view *view, const pl_view_thing *caster,
   return fmin(1.0, ratio * ratio);
 }
 
-double pl_view_factor(const pl_view_thing *receiver, const pl_view_thing *source) {
+double pl_view_factor(const pl_view_entity *receiver, const pl_view_entity *source) {
   const double gap = distance_m(receiver->center_m, source->center_m) - receiver->radius_m;
   if (gap <= source->radius_m)
     return 1.0;
@@ -179,21 +179,21 @@ static double gain(double alpha) {
   return fmax(1.0 + MULTIPLE_SCATTERING_EXCESS, 0.5 / (alpha * alpha * alpha));
 }
 
-double pl_view_transfer(const pl_view_thing *receiver, const pl_view_thing *source) {
+double pl_view_transfer(const pl_view_entity *receiver, const pl_view_entity *source) {
   const double lobe = gain(fmax(receiver->ggx_alpha_min, 1e-3)) * pl_view_factor(receiver, source);
   return fmin(receiver->albedo_max, 1.0) * fmin(1.0, lobe);
 }
 
-double pl_view_transfer_most(const pl_view_thing *receiver, double factor) {
+double pl_view_transfer_most(const pl_view_entity *receiver, double factor) {
   return fmin(receiver->albedo_max, 1.0) * gain(fmax(receiver->ggx_alpha_min, 1e-3)) * factor;
 }
 
-double pl_view_light(const pl_view_thing *source) {
+double pl_view_light(const pl_view_entity *source) {
   const double lobe = gain(fmax(source->ggx_alpha_min, LIGHT_ALPHA_MIN));
   return source->albedo_max * lobe * source->irradiance / PI + source->emission_max;
 }
 
-double pl_view_light_most(const pl_view *view, const pl_view_thing *source) {
+double pl_view_light_most(const pl_view *view, const pl_view_entity *source) {
   const double sine =
       view->sun_radius_m / (distance_m(source->center_m, view->sun_position_m) + source->radius_m);
   const double lobe = fmin(gain(fmax(source->ggx_alpha_min, 1e-3)), 1.0 / (sine * sine));
@@ -202,8 +202,8 @@ double pl_view_light_most(const pl_view *view, const pl_view_thing *source) {
 
 /* The factor of a pair takes all of the source to be at its centre, while a facet may be nearer by
  * its radius. */
-double pl_view_light_at(const pl_view *view, const pl_view_thing *receiver,
-                        const pl_view_thing *source) {
+double pl_view_light_at(const pl_view *view, const pl_view_entity *receiver,
+                        const pl_view_entity *source) {
   const double most = pl_view_light_most(view, source);
   const double gap = distance_m(receiver->center_m, source->center_m) - receiver->radius_m;
   if (!(gap > source->radius_m && source->sent_gain > 0.0))
@@ -217,24 +217,24 @@ double pl_view_series(const pl_view *view, int bounces) {
   double albedo = 0.0, sum = 0.0, term = 1.0;
   if (view->tree != NULL)
     albedo = view->tree->albedo_max;
-  for (size_t i = 0; view->tree == NULL && i < view->thing_count; i++)
-    albedo = fmax(albedo, fmin(1.0, view->things[i].albedo_max));
+  for (size_t i = 0; view->tree == NULL && i < view->entity_count; i++)
+    albedo = fmax(albedo, fmin(1.0, view->entities[i].albedo_max));
   for (int i = 0; i < bounces; i++, term *= albedo)
     sum += term;
   return sum;
 }
 
-pl_view_thing pl_view_rings(const pl_view_thing *body) {
-  pl_view_thing shell = *body;
+pl_view_entity pl_view_rings(const pl_view_entity *body) {
+  pl_view_entity shell = *body;
   shell.radius_m = body->rings_radius_m;
   return shell;
 }
 
-double pl_view_from_volumes(const pl_view *view, const pl_view_thing *receiver) {
+double pl_view_from_volumes(const pl_view *view, const pl_view_entity *receiver) {
   double sum = 0.0;
   for (size_t k = 0; k < view->volume_count; k++) {
     const pl_view_volume *volume = &view->volumes[k];
-    const pl_view_thing ball = {
+    const pl_view_entity ball = {
         .center_m = {volume->center_m[0], volume->center_m[1], volume->center_m[2]},
         .radius_m = volume->radius_m};
     sum += pl_view_transfer(receiver, &ball) * (volume->scattered + volume->emitted);
@@ -243,32 +243,32 @@ double pl_view_from_volumes(const pl_view *view, const pl_view_thing *receiver) 
 }
 
 double pl_view_received(const pl_view *view, size_t i) {
-  const pl_view_thing *receiver = &view->things[i];
+  const pl_view_entity *receiver = &view->entities[i];
   double sum = pl_view_from_volumes(view, receiver);
   sum += pl_view_sum_light(view, receiver);
-  for (size_t k = 0; (view->tree == NULL || view->tree->ringed) && k < view->thing_count; k++) {
-    const pl_view_thing *source = &view->things[k];
+  for (size_t k = 0; (view->tree == NULL || view->tree->ringed) && k < view->entity_count; k++) {
+    const pl_view_entity *source = &view->entities[k];
     if (k == i || !(source->rings_radius_m > 0.0))
       continue;
-    const pl_view_thing shell = pl_view_rings(source);
+    const pl_view_entity shell = pl_view_rings(source);
     sum += pl_view_transfer(receiver, &shell) * source->rings_light;
   }
   return sum;
 }
 
-double pl_view_shell_share(const pl_view *view, const pl_view_thing *body, double radius_m) {
-  pl_view_thing shell = *body;
+double pl_view_shell_share(const pl_view *view, const pl_view_entity *body, double radius_m) {
+  pl_view_entity shell = *body;
   double share = 0.0;
   shell.radius_m = radius_m;
-  for (size_t i = 0; i < view->thing_count; i++) {
-    const pl_view_thing *thing = &view->things[i];
-    if (thing == body || !thing->in_frame)
+  for (size_t i = 0; i < view->entity_count; i++) {
+    const pl_view_entity *entity = &view->entities[i];
+    if (entity == body || !entity->in_frame)
       continue;
-    if (pl_view_shadow_reaches(view, &shell, thing))
+    if (pl_view_shadow_reaches(view, &shell, entity))
       return 1.0;
     if (view->max_bounces > 0)
       share =
-          fmax(share, pl_view_transfer(thing, &shell) * pl_view_series(view, view->max_bounces));
+          fmax(share, pl_view_transfer(entity, &shell) * pl_view_series(view, view->max_bounces));
   }
   return fmin(1.0, share);
 }

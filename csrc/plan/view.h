@@ -22,7 +22,7 @@ struct pl_air;
 struct pl_clouds;
 
 /* One mesh object or body, reduced to what the bounds need. */
-typedef struct pl_view_thing {
+typedef struct pl_view_entity {
   bool is_body;         /* convex ellipsoid; otherwise a mesh */
   bool is_world;        /* a body of the scene, whether ellipsoid or mesh */
   bool in_frame;        /* its bounding sphere touches the frustum */
@@ -66,7 +66,7 @@ typedef struct pl_view_thing {
   double rings_light;    /* upper bound of the rings' radiance, W m-2 sr-1 */
   /* reflectance levels of detail of a body in the frame, or NULL if it has none */
   const pl_view_lods *lods;
-} pl_view_thing;
+} pl_view_entity;
 
 /* Sky behind all objects and bodies. */
 typedef struct pl_view_sky {
@@ -119,8 +119,8 @@ typedef struct pl_view {
   int max_bounces;    /* upper limit of bounces, set by the user */
   int texture_filter; /* upper limit of the texture filter (a pl_filter), set by the user */
   int volume_steps;   /* upper limit of steps along rays through volumes, set by the user */
-  const pl_view_thing *things; /* borrowed */
-  size_t thing_count;
+  const pl_view_entity *entities; /* borrowed */
+  size_t entity_count;
   /* tree over the objects and bodies, borrowed; NULL when they are few, see view_tree.h */
   pl_view_tree *tree;
   /* borrowed: pl_view_shadowed of each object and body; NULL before it is known */
@@ -160,44 +160,44 @@ double pl_view_sky_dn(const pl_view *view, double radiance);
 /* Returns the smallest GGX alpha in the frame; below 1 something may mirror the sun. */
 double pl_view_alpha_min(const pl_view *view);
 /* Returns true if the shadow of `caster` (umbra and penumbra) can reach `receiver`. */
-bool pl_view_shadow_reaches(const pl_view *view, const pl_view_thing *caster,
-                            const pl_view_thing *receiver);
+bool pl_view_shadow_reaches(const pl_view *view, const pl_view_entity *caster,
+                            const pl_view_entity *receiver);
 /* Upper bound of the fraction of the sun's disc that `caster` hides from any point of
  * `receiver`. */
-double pl_view_hidden_sun(const pl_view *view, const pl_view_thing *caster,
-                          const pl_view_thing *receiver);
-/* Returns true if any shadow can reach things[i]. A body does not shadow itself: it is convex. */
+double pl_view_hidden_sun(const pl_view *view, const pl_view_entity *caster,
+                          const pl_view_entity *receiver);
+/* Returns true if any shadow can reach entities[i]. A body does not shadow itself: it is convex. */
 bool pl_view_shadowed(const pl_view *view, size_t i);
 
 /* Upper bound of the view factor of `source` from `receiver`, 0..1; 1 when they may touch. */
-double pl_view_factor(const pl_view_thing *receiver, const pl_view_thing *source);
+double pl_view_factor(const pl_view_entity *receiver, const pl_view_entity *source);
 /* Upper bound of the part of a source's radiance that the receiver reflects into any one direction,
  * by one reflection: 0..1. */
-double pl_view_transfer(const pl_view_thing *receiver, const pl_view_thing *source);
+double pl_view_transfer(const pl_view_entity *receiver, const pl_view_entity *source);
 /* The same for several sources whose view factors, each less than 1, sum to `factor`. */
-double pl_view_transfer_most(const pl_view_thing *receiver, double factor);
+double pl_view_transfer_most(const pl_view_entity *receiver, double factor);
 /* Radiance of an object or body that lights others: reflected sunlight and emission, W m-2 sr-1.
  * Not a bound for mirrors: of lobes it takes those of alpha 0.3. */
-double pl_view_light(const pl_view_thing *source);
+double pl_view_light(const pl_view_entity *source);
 /* The same as an upper bound, mirrors included: the sun's own radiance at most. */
-double pl_view_light_most(const pl_view *view, const pl_view_thing *source);
+double pl_view_light_most(const pl_view *view, const pl_view_entity *source);
 /* Upper bound of what counts as its radiance at a receiver with pl_view_factor: from afar a mesh
  * sends no more than the sum of its facets. */
-double pl_view_light_at(const pl_view *view, const pl_view_thing *receiver,
-                        const pl_view_thing *source);
+double pl_view_light_at(const pl_view *view, const pl_view_entity *receiver,
+                        const pl_view_entity *source);
 /* Upper bound of the radiance that `receiver` reflects of the light of volumes, W m-2 sr-1. */
-double pl_view_from_volumes(const pl_view *view, const pl_view_thing *receiver);
+double pl_view_from_volumes(const pl_view *view, const pl_view_entity *receiver);
 /* Returns the rings of a body as if they were an object: the sphere that encloses them. */
-pl_view_thing pl_view_rings(const pl_view_thing *body);
+pl_view_entity pl_view_rings(const pl_view_entity *body);
 /* Returns 1 + r + r^2 + ..., `bounces` terms, where r is the largest albedo in the scene: the gain
  * by interreflection. */
 double pl_view_series(const pl_view *view, int bounces);
 /* Returns how much a shell of that radius about a body that is out of view can affect the frame:
  * the part of its radiance that reaches objects there, 1 if it can shadow them, 0 if neither. */
-double pl_view_shell_share(const pl_view *view, const pl_view_thing *body, double radius_m);
+double pl_view_shell_share(const pl_view *view, const pl_view_entity *body, double radius_m);
 
-/* Upper bound of the radiance that things[i] reflects of the light that all others reflect or emit
- * onto it directly, W m-2 sr-1. */
+/* Upper bound of the radiance that entities[i] reflects of the light that all others reflect or
+ * emit onto it directly, W m-2 sr-1. */
 double pl_view_received(const pl_view *view, size_t i);
 
 #endif

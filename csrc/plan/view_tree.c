@@ -13,8 +13,8 @@ static const double NEGLIGIBLE = 0.01;
 static const double PI = 3.14159265358979323846;
 
 static pl_view_node leaf_of(const pl_view *view, size_t index) {
-  const pl_view_thing *thing = &view->things[index];
-  pl_view_node out = {.thing = index, .ball = *thing};
+  const pl_view_entity *entity = &view->entities[index];
+  pl_view_node out = {.entity = index, .ball = *entity};
   return out;
 }
 
@@ -32,7 +32,7 @@ static void bounds_of(const pl_view_node *nodes, size_t count, double low[3], do
 /* Returns the sphere around the bounding box of some nodes, large enough to enclose each node's
  * sphere. */
 static pl_view_node node_about(const pl_view_node *nodes, size_t count) {
-  pl_view_node out = {.thing = PL_VIEW_SEVERAL, .ball = {.ggx_alpha_min = 1.0}};
+  pl_view_node out = {.entity = PL_VIEW_SEVERAL, .ball = {.ggx_alpha_min = 1.0}};
   double low[3], high[3];
   bounds_of(nodes, count, low, high);
   for (int k = 0; k < 3; k++)
@@ -56,7 +56,7 @@ static int by_axis(const void *a, const void *b, int axis) {
   const double p = x->ball.center_m[axis], q = y->ball.center_m[axis];
   if (p < q || p > q)
     return p < q ? -1 : 1;
-  return x->thing < y->thing ? -1 : x->thing > y->thing;
+  return x->entity < y->entity ? -1 : x->entity > y->entity;
 }
 static int by_x(const void *a, const void *b) { return by_axis(a, b, 0); }
 static int by_y(const void *a, const void *b) { return by_axis(a, b, 1); }
@@ -92,14 +92,16 @@ static void add_tree(pl_view_tree *tree, pl_view_node *leaves, size_t count) {
   tree->nodes[own].after = tree->count;
 }
 
-static double square_of(const pl_view_thing *thing) { return thing->radius_m * thing->radius_m; }
+static double square_of(const pl_view_entity *entity) {
+  return entity->radius_m * entity->radius_m;
+}
 
 /* Sums each inner node from its two children. Children follow their parent, so the loop runs
  * backwards. */
 static void add_up(pl_view_tree *tree) {
   for (size_t n = tree->count; n-- > 0;) {
     pl_view_node *node = &tree->nodes[n];
-    if (node->thing != PL_VIEW_SEVERAL)
+    if (node->entity != PL_VIEW_SEVERAL)
       continue;
     const pl_view_node *first = node + 1, *second = &tree->nodes[first->after];
     node->weighed = first->weighed + second->weighed;
@@ -111,10 +113,10 @@ void pl_view_weigh(const pl_view *view, pl_view_weight_fn weight, const void *co
   double most = -1.0;
   for (size_t n = 0; tree != NULL && n < tree->count; n++) {
     pl_view_node *node = &tree->nodes[n];
-    if (node->thing == PL_VIEW_SEVERAL)
+    if (node->entity == PL_VIEW_SEVERAL)
       continue;
-    const pl_view_thing *thing = &view->things[node->thing];
-    node->weighed = square_of(thing) * weight(thing, context);
+    const pl_view_entity *entity = &view->entities[node->entity];
+    node->weighed = square_of(entity) * weight(entity, context);
     if (node->weighed > most) {
       most = node->weighed;
       tree->first_weighed = n;
@@ -125,21 +127,21 @@ void pl_view_weigh(const pl_view *view, pl_view_weight_fn weight, const void *co
 }
 
 /* From afar: a node's distance is that of its sphere, so no facet is nearer. */
-static double light_of(const pl_view_thing *source, const void *context) {
+static double light_of(const pl_view_entity *source, const void *context) {
   const pl_view *view = context;
   const double most = pl_view_light_most(view, source);
   const double sent = source->albedo_max * source->sent_gain * source->irradiance / PI;
   return source->sent_gain > 0.0 ? fmin(most, sent + source->emission_max) : most;
 }
 
-static double one(const pl_view_thing *source, const void *context) {
+static double one(const pl_view_entity *source, const void *context) {
   (void)source;
   (void)context;
   return 1.0;
 }
 
 pl_status pl_view_tree_build(pl_arena *arena, pl_view *view) {
-  const size_t count = view->thing_count;
+  const size_t count = view->entity_count;
   view->tree = NULL;
   if (count <= PL_VIEW_FEW)
     return PL_OK;
@@ -158,8 +160,8 @@ pl_status pl_view_tree_build(pl_arena *arena, pl_view *view) {
   pl_view_node *leaves = nodes + 2 * count; /* a tree has fewer inner nodes than leaves */
   for (size_t i = 0; i < count; i++) {
     leaves[i] = leaf_of(view, i);
-    tree->ringed |= view->things[i].rings_radius_m > 0.0;
-    tree->albedo_max = fmax(tree->albedo_max, fmin(1.0, view->things[i].albedo_max));
+    tree->ringed |= view->entities[i].rings_radius_m > 0.0;
+    tree->albedo_max = fmax(tree->albedo_max, fmin(1.0, view->entities[i].albedo_max));
   }
   add_tree(tree, leaves, count);
   view->tree = tree;
@@ -175,7 +177,7 @@ pl_status pl_view_tree_build(pl_arena *arena, pl_view *view) {
 }
 
 /* Distance from the receiver's sphere to the node's, m. */
-static double gap_m(const pl_view_thing *receiver, const pl_view_node *node) {
+static double gap_m(const pl_view_entity *receiver, const pl_view_node *node) {
   double square = 0.0;
   for (int k = 0; k < 3; k++)
     square += pow(receiver->center_m[k] - node->ball.center_m[k], 2.0);
@@ -195,8 +197,8 @@ static double node_squares(const pl_view_node *node) { return node->squares; }
 static double node_weighed(const pl_view_node *node) { return node->weighed; }
 
 /* The part of one source in a sum. */
-static double part_of(const pl_view *view, const pl_view_thing *receiver,
-                      const pl_view_thing *source, const summand *what) {
+static double part_of(const pl_view *view, const pl_view_entity *receiver,
+                      const pl_view_entity *source, const summand *what) {
   if (source == receiver)
     return 0.0;
   return pl_view_transfer(receiver, source) * (what->weight == NULL
@@ -204,9 +206,9 @@ static double part_of(const pl_view *view, const pl_view_thing *receiver,
                                                    : what->weight(source, what->context));
 }
 
-static double sum_of(const pl_view *view, const pl_view_thing *receiver, const summand *what) {
+static double sum_of(const pl_view *view, const pl_view_entity *receiver, const summand *what) {
   pl_view_tree *tree = view->tree;
-  double sum = part_of(view, receiver, &view->things[tree->nodes[what->first].thing], what);
+  double sum = part_of(view, receiver, &view->entities[tree->nodes[what->first].entity], what);
   for (size_t n = 0; n < tree->count;) {
     const pl_view_node *node = &tree->nodes[n];
     const double weighed = what->of_node(node);
@@ -215,7 +217,7 @@ static double sum_of(const pl_view *view, const pl_view_thing *receiver, const s
       n = node->after;
       continue;
     }
-    const bool one = node->thing != PL_VIEW_SEVERAL;
+    const bool one = node->entity != PL_VIEW_SEVERAL;
     const double gap = gap_m(receiver, node);
     const double most =
         gap > 0.0 ? pl_view_transfer_most(receiver, weighed / (gap * gap)) : INFINITY;
@@ -223,44 +225,44 @@ static double sum_of(const pl_view *view, const pl_view_thing *receiver, const s
     if (far)
       sum += most;
     else if (one)
-      sum += part_of(view, receiver, &view->things[node->thing], what);
+      sum += part_of(view, receiver, &view->entities[node->entity], what);
     n = far ? node->after : n + 1;
   }
   return sum;
 }
 
 /* The sum for a receiver, which is kept if it is one of the view's. */
-static double kept_sum(const pl_view *view, const pl_view_thing *receiver, const summand *what,
+static double kept_sum(const pl_view *view, const pl_view_entity *receiver, const summand *what,
                        pl_view_kept kind) {
-  const bool own = receiver >= view->things && receiver < view->things + view->thing_count;
+  const bool own = receiver >= view->entities && receiver < view->entities + view->entity_count;
   if (!own)
     return sum_of(view, receiver, what);
-  double *kept = &view->tree->kept[kind][receiver - view->things];
+  double *kept = &view->tree->kept[kind][receiver - view->entities];
   if (isnan(*kept))
     *kept = sum_of(view, receiver, what);
   return *kept;
 }
 
 /* For few objects: sums over every pair. */
-static double sum_all(const pl_view *view, const pl_view_thing *receiver, pl_view_weight_fn weight,
+static double sum_all(const pl_view *view, const pl_view_entity *receiver, pl_view_weight_fn weight,
                       const void *context) {
   double sum = 0.0;
-  for (size_t k = 0; k < view->thing_count; k++)
-    if (&view->things[k] != receiver)
-      sum += pl_view_transfer(receiver, &view->things[k]) * weight(&view->things[k], context);
+  for (size_t k = 0; k < view->entity_count; k++)
+    if (&view->entities[k] != receiver)
+      sum += pl_view_transfer(receiver, &view->entities[k]) * weight(&view->entities[k], context);
   return sum;
 }
 
-static double sum_pairs(const pl_view *view, const pl_view_thing *receiver) {
+static double sum_pairs(const pl_view *view, const pl_view_entity *receiver) {
   double sum = 0.0;
-  for (size_t k = 0; k < view->thing_count; k++)
-    if (&view->things[k] != receiver)
-      sum += pl_view_transfer(receiver, &view->things[k]) *
-             pl_view_light_at(view, receiver, &view->things[k]);
+  for (size_t k = 0; k < view->entity_count; k++)
+    if (&view->entities[k] != receiver)
+      sum += pl_view_transfer(receiver, &view->entities[k]) *
+             pl_view_light_at(view, receiver, &view->entities[k]);
   return sum;
 }
 
-double pl_view_sum(const pl_view *view, const pl_view_thing *receiver, pl_view_weight_fn weight,
+double pl_view_sum(const pl_view *view, const pl_view_entity *receiver, pl_view_weight_fn weight,
                    const void *context) {
   if (view->tree == NULL)
     return sum_all(view, receiver, weight, context);
@@ -268,14 +270,14 @@ double pl_view_sum(const pl_view *view, const pl_view_thing *receiver, pl_view_w
   return sum_of(view, receiver, &what);
 }
 
-double pl_view_sum_light(const pl_view *view, const pl_view_thing *receiver) {
+double pl_view_sum_light(const pl_view *view, const pl_view_entity *receiver) {
   if (view->tree == NULL)
     return sum_pairs(view, receiver);
   const summand what = {node_light, NULL, NULL, view->tree->first_light};
   return kept_sum(view, receiver, &what, PL_VIEW_KEPT_LIGHT);
 }
 
-double pl_view_sum_sky(const pl_view *view, const pl_view_thing *receiver) {
+double pl_view_sum_sky(const pl_view *view, const pl_view_entity *receiver) {
   if (view->tree == NULL)
     return sum_all(view, receiver, one, NULL);
   const summand what = {node_squares, one, NULL, view->tree->first_square};
@@ -284,14 +286,15 @@ double pl_view_sum_sky(const pl_view *view, const pl_view_thing *receiver) {
 
 bool pl_view_any(const pl_view *view, pl_view_test_fn test, void *context) {
   pl_view_tree *tree = view->tree;
-  for (size_t k = 0; tree == NULL && k < view->thing_count; k++)
-    if (test(&view->things[k], false, context))
+  for (size_t k = 0; tree == NULL && k < view->entity_count; k++)
+    if (test(&view->entities[k], false, context))
       return true;
   for (size_t n = 0; tree != NULL && n < tree->count;) {
     const pl_view_node *node = &tree->nodes[n];
-    const bool several = node->thing == PL_VIEW_SEVERAL;
+    const bool several = node->entity == PL_VIEW_SEVERAL;
     tree->steps++;
-    const bool holds = test(several ? &node->ball : &view->things[node->thing], several, context);
+    const bool holds =
+        test(several ? &node->ball : &view->entities[node->entity], several, context);
     if (holds && !several)
       return true;
     n = holds ? n + 1 : node->after;

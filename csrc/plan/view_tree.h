@@ -9,12 +9,13 @@
 
 /* A sphere that encloses one object or body, without rings, or all nodes up to `after`. */
 typedef struct pl_view_node {
-  pl_view_thing ball; /* inner node: has the largest albedo and the smallest alpha of its members */
-  size_t after;       /* index of the first node that is not inside this one */
-  size_t thing;       /* index of the object or body; PL_VIEW_SEVERAL for an inner node */
-  double light;       /* sum over the members of squared radius times light from afar */
-  double weighed;     /* the same with the weights of pl_view_weigh */
-  double squares;     /* the same with weights of 1 */
+  pl_view_entity
+      ball;       /* inner node: has the largest albedo and the smallest alpha of its members */
+  size_t after;   /* index of the first node that is not inside this one */
+  size_t entity;  /* index of the object or body; PL_VIEW_SEVERAL for an inner node */
+  double light;   /* sum over the members of squared radius times light from afar */
+  double weighed; /* the same with the weights of pl_view_weigh */
+  double squares; /* the same with weights of 1 */
 } pl_view_node;
 #define PL_VIEW_SEVERAL ((size_t)-1)
 
@@ -44,7 +45,7 @@ pl_status pl_view_tree_build(pl_arena *arena, pl_view *view);
 
 /* Returns the light, or a similar quantity, of a source of which a receiver gets a part; not
  * negative. */
-typedef double (*pl_view_weight_fn)(const pl_view_thing *source, const void *context);
+typedef double (*pl_view_weight_fn)(const pl_view_entity *source, const void *context);
 
 /* Call before pl_view_sum: stores the weights of the sources in the tree, if there is one, in place
  * of earlier weights. */
@@ -52,18 +53,18 @@ void pl_view_weigh(const pl_view *view, pl_view_weight_fn weight, const void *co
 /* Returns the sum of pl_view_transfer times weight over all sources except the receiver. With a
  * tree it is an upper bound: distant groups of sources count as if all were at the nearest point of
  * their sphere. */
-double pl_view_sum(const pl_view *view, const pl_view_thing *receiver, pl_view_weight_fn weight,
+double pl_view_sum(const pl_view *view, const pl_view_entity *receiver, pl_view_weight_fn weight,
                    const void *context);
 /* The same with pl_view_light_at as the weight; needs no call of pl_view_weigh. */
-double pl_view_sum_light(const pl_view *view, const pl_view_thing *receiver);
+double pl_view_sum_light(const pl_view *view, const pl_view_entity *receiver);
 /* The same with weights of 1: the part of its sky that others fill, times its albedo. Both take
  * time for a receiver of the view only once, if there is a tree. */
-double pl_view_sum_sky(const pl_view *view, const pl_view_thing *receiver);
+double pl_view_sum_sky(const pl_view *view, const pl_view_entity *receiver);
 
 /* Returns true if a test holds for any object or body. With a tree the test is first called for
  * inner nodes (`several`), which have the extreme values of their members: it must hold there if it
  * holds for a member. */
-typedef bool (*pl_view_test_fn)(const pl_view_thing *thing, bool several, void *context);
+typedef bool (*pl_view_test_fn)(const pl_view_entity *entity, bool several, void *context);
 bool pl_view_any(const pl_view *view, pl_view_test_fn test, void *context);
 
 #endif

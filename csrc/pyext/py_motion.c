@@ -153,8 +153,9 @@ static int parse(PyObject *motion, const pl_scene *scene, pl_py_states *states,
     return -1;
   if (reader.keys == 0)
     return 0;
-  const size_t things = 1 + scene->craft_count + scene->body_count;
-  if (grow(&states->keys, (size_t)reader.keys * (7 * things + 3 + 24 * states->mover_count)) < 0 ||
+  const size_t entities = 1 + scene->craft_count + scene->body_count;
+  if (grow(&states->keys, (size_t)reader.keys * (7 * entities + 3 + 24 * states->mover_count)) <
+          0 ||
       read_poses(&reader, scene, states, placement) < 0)
     return -1;
   return read_movers(&reader, scene, states);

@@ -22,7 +22,8 @@ static const float SCATTER_DN = 56.0f;
 static const float QUIET = 3.0f;
 /* Minimum number of samples before a pixel may be finished: on bodies and ground, which are without
  * slivers; where another mesh may be visible; and where the centre rays of a pixel and its
- * neighbours hit different things. Outlines contain slivers that a small number of samples misses.
+ * neighbours hit different entities. Outlines contain slivers that a small number of samples
+ * misses.
  */
 enum { BODY_MIN = 2, MESH_MIN = 4, OUTLINE_MIN = 8 };
 /* A pixel also gets at least samples / LEAST_PART samples, and on outlines samples / OUTLINE_PART,

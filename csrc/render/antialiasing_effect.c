@@ -6,8 +6,8 @@
 static const char *absent(const pl_view *view) {
   if (view->sun_in_frame)
     return NULL;
-  for (size_t i = 0; i < view->thing_count; i++)
-    if (view->things[i].in_frame || view->things[i].rings_in_frame)
+  for (size_t i = 0; i < view->entity_count; i++)
+    if (view->entities[i].in_frame || view->entities[i].rings_in_frame)
       return NULL;
   for (size_t i = 0; i < view->volume_count; i++)
     if (view->volumes[i].in_frame)

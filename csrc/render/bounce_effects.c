@@ -5,32 +5,32 @@
 #include <math.h>
 #include <stddef.h>
 
-/* True if a thing can receive light from another. A mesh can receive it from itself. */
-static bool has_sky(const pl_view *view, const pl_view_thing *thing) {
-  return !thing->is_body || view->thing_count > 1 || view->volume_count > 0;
+/* True if an entity can receive light from another. A mesh can receive it from itself. */
+static bool has_sky(const pl_view *view, const pl_view_entity *entity) {
+  return !entity->is_body || view->entity_count > 1 || view->volume_count > 0;
 }
 
 static const char *absent(const pl_view *view) {
   if (view->max_bounces == 0)
     return "max_bounces is 0";
-  for (size_t i = 0; i < view->thing_count; i++)
-    if (view->things[i].in_frame && has_sky(view, &view->things[i]))
+  for (size_t i = 0; i < view->entity_count; i++)
+    if (view->entities[i].in_frame && has_sky(view, &view->entities[i]))
       return NULL;
   return "nothing in the frame can receive light from anything else";
 }
 
 static int ceiling(const pl_view *view) { return view->max_bounces > 0 ? view->max_bounces : 1; }
 
-/* Upper bound of the part of a thing's sky that is filled by other things, or by itself, times its
- * albedo. */
-static double return_of(const pl_view *view, const pl_view_thing *thing) {
-  if (!thing->is_body)
-    return fmin(thing->albedo_max, 1.0); /* its sky may be filled by itself */
-  double sum = pl_view_sum_sky(view, thing);
-  for (size_t k = 0; (view->tree == NULL || view->tree->ringed) && k < view->thing_count; k++) {
-    const pl_view_thing rings = pl_view_rings(&view->things[k]);
-    if (&view->things[k] != thing && rings.radius_m > 0.0)
-      sum += pl_view_transfer(thing, &rings);
+/* Upper bound of the part of an entity's sky that is filled by other entities, or by itself, times
+ * its albedo. */
+static double return_of(const pl_view *view, const pl_view_entity *entity) {
+  if (!entity->is_body)
+    return fmin(entity->albedo_max, 1.0); /* its sky may be filled by itself */
+  double sum = pl_view_sum_sky(view, entity);
+  for (size_t k = 0; (view->tree == NULL || view->tree->ringed) && k < view->entity_count; k++) {
+    const pl_view_entity rings = pl_view_rings(&view->entities[k]);
+    if (&view->entities[k] != entity && rings.radius_m > 0.0)
+      sum += pl_view_transfer(entity, &rings);
   }
   return fmin(1.0, sum);
 }
@@ -40,20 +40,20 @@ static double return_of(const pl_view *view, const pl_view_thing *thing) {
  * `body_bounces`. */
 static double bound_dn(const pl_view *view, int value) {
   double largest = 0.0, light = 0.0, radiance = 0.0, volumes = 0.0;
-  for (size_t i = 0; i < view->thing_count; i++) {
-    largest = fmax(largest, return_of(view, &view->things[i]));
-    volumes = fmax(volumes, pl_view_from_volumes(view, &view->things[i]));
-    light =
-        fmax(light, fmax(pl_view_light_most(view, &view->things[i]), view->things[i].rings_light));
+  for (size_t i = 0; i < view->entity_count; i++) {
+    largest = fmax(largest, return_of(view, &view->entities[i]));
+    volumes = fmax(volumes, pl_view_from_volumes(view, &view->entities[i]));
+    light = fmax(light,
+                 fmax(pl_view_light_most(view, &view->entities[i]), view->entities[i].rings_light));
   }
-  for (size_t i = 0; i < view->thing_count; i++) {
-    const pl_view_thing *thing = &view->things[i];
-    if (!thing->in_frame || !has_sky(view, thing))
+  for (size_t i = 0; i < view->entity_count; i++) {
+    const pl_view_entity *entity = &view->entities[i];
+    if (!entity->in_frame || !has_sky(view, entity))
       continue;
-    if (largest >= 1.0 || thing->ggx_alpha_min < 1.0)
+    if (largest >= 1.0 || entity->ggx_alpha_min < 1.0)
       return pl_view_dn(view, view->white_radiance); /* may reflect the sun itself */
-    const double bounces = thing->is_body && value == 0 ? 1 : value;
-    const double all = (return_of(view, thing) * light + volumes) / (1.0 - largest);
+    const double bounces = entity->is_body && value == 0 ? 1 : value;
+    const double all = (return_of(view, entity) * light + volumes) / (1.0 - largest);
     radiance = fmax(radiance, all * pow(largest, bounces));
   }
   return pl_view_dn(view, radiance);
@@ -76,8 +76,9 @@ const pl_effect pl_effect_bounces = {
 static const char *body_absent(const pl_view *view) {
   if (view->max_bounces == 0)
     return "max_bounces is 0";
-  for (size_t i = 0; i < view->thing_count; i++)
-    if (view->things[i].in_frame && view->things[i].is_body && has_sky(view, &view->things[i]))
+  for (size_t i = 0; i < view->entity_count; i++)
+    if (view->entities[i].in_frame && view->entities[i].is_body &&
+        has_sky(view, &view->entities[i]))
       return NULL;
   return "no body in the frame can receive light from anything else";
 }
@@ -87,8 +88,8 @@ static double body_bound_dn(const pl_view *view, int value) {
   if (value > 0)
     return 0.0;
   double radiance = 0.0;
-  for (size_t i = 0; i < view->thing_count && radiance < view->white_radiance; i++) {
-    const pl_view_thing *receiver = &view->things[i];
+  for (size_t i = 0; i < view->entity_count && radiance < view->white_radiance; i++) {
+    const pl_view_entity *receiver = &view->entities[i];
     if (!receiver->in_frame || !receiver->is_body)
       continue;
     radiance = fmax(radiance, pl_view_received(view, i));

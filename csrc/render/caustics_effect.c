@@ -7,29 +7,30 @@
 
 static const double PI = 3.14159265358979323846;
 
-static bool mirrors(const pl_view_thing *thing) {
-  return !thing->is_world && (thing->ggx_alpha_min < PL_CAUSTIC_ALPHA_MAX || thing->coat_max > 0.0);
+static bool mirrors(const pl_view_entity *entity) {
+  return !entity->is_world &&
+         (entity->ggx_alpha_min < PL_CAUSTIC_ALPHA_MAX || entity->coat_max > 0.0);
 }
 
 static const char *absent(const pl_view *view) {
   if (view->max_bounces == 0)
     return "max_bounces is 0";
-  for (size_t i = 0; i < view->thing_count; i++)
-    if (mirrors(&view->things[i]))
+  for (size_t i = 0; i < view->entity_count; i++)
+    if (mirrors(&view->entities[i]))
       return NULL;
   return "no mesh is smooth enough to mirror the sun";
 }
 
-/* Without the row, sunlight reflected by mirrors is found by BSDF sampling only. A thing receives
+/* Without the row, sunlight reflected by mirrors is found by BSDF sampling only. An entity receives
  * at most the sun's own radiance from them, over the part of its sky that they fill. */
 static double bound_dn(const pl_view *view, int value) {
   double radiance = 0.0;
   if (value > 0)
     return 0.0;
-  for (size_t i = 0; i < view->thing_count; i++) {
-    const pl_view_thing *seen = &view->things[i];
-    for (size_t k = 0; seen->in_frame && k < view->thing_count; k++) {
-      const pl_view_thing *source = &view->things[k];
+  for (size_t i = 0; i < view->entity_count; i++) {
+    const pl_view_entity *seen = &view->entities[i];
+    for (size_t k = 0; seen->in_frame && k < view->entity_count; k++) {
+      const pl_view_entity *source = &view->entities[k];
       if (!mirrors(source))
         continue;
       if (source == seen)

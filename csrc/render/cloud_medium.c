@@ -140,7 +140,7 @@ static void find_place(const cloud_item *item, const meeting *m, double t, float
 }
 
 /* Transmittance of a covered point. Over the ground, all light that is not reflected counts, since
- * on average as much light is scattered into the ray as out of it. For other things only direct
+ * on average as much light is scattered into the ray as out of it. For other entities only direct
  * transmittance counts. Light reflected between ground and clouds is neglected. */
 static float through(const place *at, bool ground) {
   return ground ? 1.0f - pl_cloud_reflected(at->depth, at->mu)

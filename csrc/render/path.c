@@ -197,12 +197,12 @@ static const pl_caustics *caustics_at(const pl_path_context *context, const pl_v
  * hits is seen in full detail, not as the mean over the lobe that the draw represents. */
 static bool extend(const pl_path_context *context, const pl_path *path, const pl_vertex *vertex,
                    int bounce, const float u[2], const float choice[2], pl_vec3f wo,
-                   const pl_planetshine_ray *shine, size_t kept, pl_tile_buffers *b) {
+                   const pl_planetshine_ray *planetshine, size_t kept, pl_tile_buffers *b) {
   pl_path *next = &b->paths[kept];
   pl_ray *ray = &b->rays[kept];
   pl_planetshine_draw drawn;
-  if (!pl_planetshine_sample(shine, &vertex->surface, wo, u, choice[0], &drawn)) {
-    if (bounce == 0 && drawn.set && !(shine->mirrored > 0.0f))
+  if (!pl_planetshine_sample(planetshine, &vertex->surface, wo, u, choice[0], &drawn)) {
+    if (bounce == 0 && drawn.set && !(planetshine->mirrored > 0.0f))
       pl_path_lose(context, vertex, path, b);
     return false;
   }
@@ -298,7 +298,7 @@ static void see_emission(const pl_path_context *context, const pl_path *path, co
  * of mirrors has edges, which the irradiance filter would blur, and has little noise. It is
  * therefore not shared: `own`. */
 static bool look_on(const pl_path_context *context, const pl_path *path, const pl_vertex *vertex,
-                    int bounce, pl_vec3f wo, pl_planetshine_ray *shine, pl_continuation *way,
+                    int bounce, pl_vec3f wo, pl_planetshine_ray *planetshine, pl_continuation *way,
                     bool *own, pl_tile_buffers *b) {
   *way = PL_CONTINUATION_DRAWN;
   *own = bounce > 0;
@@ -306,13 +306,13 @@ static bool look_on(const pl_path_context *context, const pl_path *path, const p
     return false;
   const pl_caustics *caustics = caustics_at(context, vertex);
   if (caustics != NULL) {
-    pl_planetshine_at(context->settings->shine, caustics, vertex, wo, shine);
-    *own = *own || shine->mirrored > 0.0f;
+    pl_planetshine_at(context->settings->planetshine, caustics, vertex, wo, planetshine);
+    *own = *own || planetshine->mirrored > 0.0f;
   }
   if (!*own)
     *way = pl_path_continuation(context, &vertex->surface, wo, path, b);
   if (*way != PL_CONTINUATION_NONE && caustics == NULL)
-    pl_planetshine_at(context->settings->shine, NULL, vertex, wo, shine);
+    pl_planetshine_at(context->settings->planetshine, NULL, vertex, wo, planetshine);
   return *way != PL_CONTINUATION_NONE;
 }
 
@@ -336,11 +336,11 @@ static void shade_hit(const pl_path_context *context, int bounce, size_t i, pl_v
     return;
   const pl_vec3f wo =
       pl_surface_to_local(s, pl_vec3_to_float(pl_vec3_scale(path.beam.direction, -1.0)));
-  pl_planetshine_ray shine;
+  pl_planetshine_ray planetshine;
   bool own;
   pl_continuation first;
-  const bool onward = look_on(context, &path, vertex, bounce, wo, &shine, &first, &own, b);
-  const pl_planetshine_ray *way = onward ? &shine : NULL;
+  const bool onward = look_on(context, &path, vertex, bounce, wo, &planetshine, &first, &own, b);
+  const pl_planetshine_ray *way = onward ? &planetshine : NULL;
   *queued = shade_sun(context, &path, vertex, u.sun, wo, way, *queued, b);
   if (context->settings->air != NULL)
     add(pl_path_sink(b, path.pixel, path.shared),
@@ -379,9 +379,9 @@ static void follow_prefiltered(const pl_path_context *context, size_t i, size_t 
   }
   const pl_vec3f view = pl_vec3_to_float(pl_vec3_scale(path.beam.direction, -1.0));
   const pl_vec3f wo = pl_surface_to_local(&vertex.surface, view);
-  pl_planetshine_ray shine;
-  pl_planetshine_at(context->settings->shine, NULL, &vertex, wo, &shine);
-  if (extend(context, &path, &vertex, 0, u.direction, u.choice, wo, &shine, *kept, b) &&
+  pl_planetshine_ray planetshine;
+  pl_planetshine_at(context->settings->planetshine, NULL, &vertex, wo, &planetshine);
+  if (extend(context, &path, &vertex, 0, u.direction, u.choice, wo, &planetshine, *kept, b) &&
       pl_path_follow(context, &vertex, &b->paths[*kept], b))
     ++*kept;
 }

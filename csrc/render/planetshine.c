@@ -189,14 +189,14 @@ static void fill_skies(pl_planetshine *p, const pl_render_settings *settings) {
 
 pl_status pl_planetshine_build(const pl_snapshot *shot, const pl_render_settings *settings,
                                pl_arena *arena, pl_planetshine *out) {
-  const size_t things = shot->object_count + shot->body_count;
+  const size_t entities = shot->object_count + shot->body_count;
   *out = (pl_planetshine){
       .shot = shot,
       .white = settings->white_radiance,
       .suns = pl_arena_alloc(arena, shot->body_count, sizeof *out->suns),
       .radiance = pl_arena_alloc(arena, shot->body_count, sizeof *out->radiance),
       .looks = pl_arena_alloc(arena, LOOKS, sizeof *out->looks),
-      .skies = pl_arena_alloc(arena, things, sizeof *out->skies),
+      .skies = pl_arena_alloc(arena, entities, sizeof *out->skies),
   };
   if (out->suns == NULL || out->radiance == NULL || out->looks == NULL || out->skies == NULL)
     return pl_fail(PL_E_MEMORY, "out of memory for the light of %zu bodies", shot->body_count);
@@ -327,30 +327,31 @@ void pl_planetshine_at(const pl_planetshine *p, const pl_caustics *caustics,
     share_mirrors(caustics, vertex, wo, known, out);
 }
 
-static float density(const pl_planetshine_ray *shine, float lobe, float bodies) {
-  return (1.0f - shine->share) * lobe + shine->share * bodies;
+static float density(const pl_planetshine_ray *planetshine, float lobe, float bodies) {
+  return (1.0f - planetshine->share) * lobe + planetshine->share * bodies;
 }
 
 /* Density of the draws towards bodies and mirrors; `drawn`: index of a body whose own density
  * `known` is given, or -1. */
-static float bodies_pdf(const pl_planetshine_ray *shine, pl_vec3f direction, int drawn,
+static float bodies_pdf(const pl_planetshine_ray *planetshine, pl_vec3f direction, int drawn,
                         float known) {
   float sum = 0.0f;
-  for (int i = 0; i < shine->count && shine->mirrored < 1.0f; i++)
-    sum += shine->chance[i] *
-           (i == drawn ? known : pl_disc_pdf(&shine->disc[i], shine->table[i], direction));
-  if (!(shine->mirrored > 0.0f))
+  for (int i = 0; i < planetshine->count && planetshine->mirrored < 1.0f; i++)
+    sum +=
+        planetshine->chance[i] *
+        (i == drawn ? known : pl_disc_pdf(&planetshine->disc[i], planetshine->table[i], direction));
+  if (!(planetshine->mirrored > 0.0f))
     return sum;
-  return (1.0f - shine->mirrored) * sum +
-         shine->mirrored * pl_caustics_pdf(&shine->mirrors, direction);
+  return (1.0f - planetshine->mirrored) * sum +
+         planetshine->mirrored * pl_caustics_pdf(&planetshine->mirrors, direction);
 }
 
-float pl_planetshine_pdf(const pl_planetshine_ray *shine, const pl_surface *s, pl_vec3f wo,
+float pl_planetshine_pdf(const pl_planetshine_ray *planetshine, const pl_surface *s, pl_vec3f wo,
                          pl_vec3f wi, pl_vec3f direction) {
   const float lobe = s->reflectance->pdf(s, wo, wi);
-  if (!(shine->share > 0.0f))
+  if (!(planetshine->share > 0.0f))
     return lobe;
-  return density(shine, lobe, bodies_pdf(shine, direction, -1, 0.0f));
+  return density(planetshine, lobe, bodies_pdf(planetshine, direction, -1, 0.0f));
 }
 
 static bool sample_lobe(const pl_surface *s, pl_vec3f wo, const float u[2],
@@ -365,46 +366,48 @@ static bool sample_lobe(const pl_surface *s, pl_vec3f wo, const float u[2],
 
 /* Draws a direction towards one of the bodies, or a mirror (body -1); `known`: the density of the
  * body's draw. */
-static bool sample_target(const pl_planetshine_ray *shine, float u[2], float choice, int *body,
-                          pl_vec3f *direction, float *known) {
+static bool sample_target(const pl_planetshine_ray *planetshine, float u[2], float choice,
+                          int *body, pl_vec3f *direction, float *known) {
   *body = -1;
-  if (shine->mirrored > 0.0f && pl_sample_choose(shine->mirrored, &u[0]))
-    return pl_caustics_sample(&shine->mirrors, u, choice, direction);
+  if (planetshine->mirrored > 0.0f && pl_sample_choose(planetshine->mirrored, &u[0]))
+    return pl_caustics_sample(&planetshine->mirrors, u, choice, direction);
   int at = 0;
-  while (at + 1 < shine->count && choice >= shine->chance[at])
-    choice -= shine->chance[at++];
+  while (at + 1 < planetshine->count && choice >= planetshine->chance[at])
+    choice -= planetshine->chance[at++];
   *body = at;
-  *direction = pl_disc_sample(&shine->disc[at], shine->table[at], u, known);
+  *direction = pl_disc_sample(&planetshine->disc[at], planetshine->table[at], u, known);
   return true;
 }
 
-static bool sample_set(const pl_planetshine_ray *shine, const pl_surface *s, pl_vec3f wo,
+static bool sample_set(const pl_planetshine_ray *planetshine, const pl_surface *s, pl_vec3f wo,
                        float u[2], float choice, pl_planetshine_draw *out) {
   int at;
   float known = 0.0f;
-  if (!sample_target(shine, u, choice, &at, &out->direction, &known) ||
+  if (!sample_target(planetshine, u, choice, &at, &out->direction, &known) ||
       !pl_surface_admits(s, out->direction))
     return false;
   out->wi = pl_surface_to_local(s, out->direction);
   out->lobe_pdf = s->reflectance->pdf(s, wo, out->wi);
   if (!(out->lobe_pdf > 0.0f))
     return false;
-  out->pdf = density(shine, out->lobe_pdf, bodies_pdf(shine, out->direction, at, known));
+  out->pdf =
+      density(planetshine, out->lobe_pdf, bodies_pdf(planetshine, out->direction, at, known));
   out->weight = pl_vec3f_scale(s->reflectance->evaluate(s, wo, out->wi), 1.0f / out->pdf);
   return true;
 }
 
-bool pl_planetshine_sample(const pl_planetshine_ray *shine, const pl_surface *s, pl_vec3f wo,
+bool pl_planetshine_sample(const pl_planetshine_ray *planetshine, const pl_surface *s, pl_vec3f wo,
                            const float u[2], float choice, pl_planetshine_draw *out) {
-  const float share = shine->share;
+  const float share = planetshine->share;
   float v[2] = {u[0], u[1]};
   out->set = share > 0.0f && pl_sample_choose(share, &v[0]);
   if (out->set)
-    return sample_set(shine, s, wo, v, choice, out);
+    return sample_set(planetshine, s, wo, v, choice, out);
   if (!sample_lobe(s, wo, v, out))
     return false;
   if (share > 0.0f) {
-    out->pdf = density(shine, out->lobe_pdf, bodies_pdf(shine, out->direction, -1, 0.0f));
+    out->pdf =
+        density(planetshine, out->lobe_pdf, bodies_pdf(planetshine, out->direction, -1, 0.0f));
     out->weight = pl_vec3f_scale(out->weight, out->lobe_pdf / out->pdf);
   }
   return true;

@@ -64,9 +64,10 @@ typedef struct pl_planetshine_ray {
   float chance[PL_PLANETSHINE_LIGHTS]; /* probability of each; their sum is 1 */
 } pl_planetshine_ray;
 
-/* `wo`: in the surface's frame. `shine` NULL: no bodies are sampled; `caustics` NULL: no mirrors.
+/* `wo`: in the surface's frame. `planetshine` NULL: no bodies are sampled; `caustics` NULL: no
+ * mirrors.
  */
-void pl_planetshine_at(const pl_planetshine *shine, const pl_caustics *caustics,
+void pl_planetshine_at(const pl_planetshine *planetshine, const pl_caustics *caustics,
                        const pl_vertex *vertex, pl_vec3f wo, pl_planetshine_ray *out);
 
 /* The next segment of a path, world axes. */
@@ -77,12 +78,12 @@ typedef struct pl_planetshine_draw {
 } pl_planetshine_draw;
 
 /* False if the path ends; then only `set` is valid. */
-bool pl_planetshine_sample(const pl_planetshine_ray *shine, const pl_surface *surface, pl_vec3f wo,
-                           const float u[2], float choice, pl_planetshine_draw *out);
+bool pl_planetshine_sample(const pl_planetshine_ray *planetshine, const pl_surface *surface,
+                           pl_vec3f wo, const float u[2], float choice, pl_planetshine_draw *out);
 
 /* Density of pl_planetshine_sample; `direction`: in world axes, `wi`: the same in the surface's
  * frame. */
-float pl_planetshine_pdf(const pl_planetshine_ray *shine, const pl_surface *surface, pl_vec3f wo,
-                         pl_vec3f wi, pl_vec3f direction);
+float pl_planetshine_pdf(const pl_planetshine_ray *planetshine, const pl_surface *surface,
+                         pl_vec3f wo, pl_vec3f wi, pl_vec3f direction);
 
 #endif

@@ -8,21 +8,21 @@
 static const char *absent(const pl_view *view) {
   size_t bodies = 0;
   bool seen = false;
-  for (size_t i = 0; i < view->thing_count; i++) {
-    bodies += view->things[i].is_world;
-    seen = seen || view->things[i].in_frame;
+  for (size_t i = 0; i < view->entity_count; i++) {
+    bodies += view->entities[i].is_world;
+    seen = seen || view->entities[i].in_frame;
   }
   if (view->max_bounces == 0)
     return "max_bounces is 0";
   if (bodies == 0)
     return "there is no body";
-  if (view->thing_count < 2)
+  if (view->entity_count < 2)
     return "the body has nothing to light";
   return seen ? NULL : "nothing is in the frame";
 }
 
 /* Sunlight that a body reflects. */
-static double reflected(const pl_view_thing *body, const void *context) {
+static double reflected(const pl_view_entity *body, const void *context) {
   const pl_view *view = context;
   return body->is_world ? pl_view_light_most(view, body) - body->emission_max : 0.0;
 }
@@ -34,11 +34,11 @@ static double bound_dn(const pl_view *view, int value) {
   if (value > 0)
     return 0.0;
   pl_view_weigh(view, reflected, view);
-  for (size_t i = 0; i < view->thing_count; i++) {
+  for (size_t i = 0; i < view->entity_count; i++) {
     /* upper bound of the light of bodies that it reflects, by one reflection */
-    const double sent = pl_view_sum(view, &view->things[i], reflected, view);
+    const double sent = pl_view_sum(view, &view->entities[i], reflected, view);
     any = fmax(any, sent);
-    seen = view->things[i].in_frame ? fmax(seen, sent) : seen;
+    seen = view->entities[i].in_frame ? fmax(seen, sent) : seen;
   }
   const double series = pl_view_series(view, view->max_bounces);
   return pl_view_dn(view, seen + any * (series * series - 1.0));

@@ -238,15 +238,16 @@ static bool has_others(const pl_shot_body *body) {
 
 pl_status pl_reflectance_lod_fit(const pl_snapshot *shot, pl_detail detail, pl_arena *arena,
                                  pl_view *view) {
-  pl_view_thing *things = NULL;
+  pl_view_entity *entities = NULL;
   for (size_t i = 0; i < shot->body_count; i++) {
     const pl_shot_body *body = &shot->bodies[i];
     if (!has_others(body))
       continue;
-    if (things == NULL && (things = pl_arena_alloc(arena, view->thing_count, sizeof *things)))
-      memcpy(things, view->things, view->thing_count * sizeof *things);
+    if (entities == NULL &&
+        (entities = pl_arena_alloc(arena, view->entity_count, sizeof *entities)))
+      memcpy(entities, view->entities, view->entity_count * sizeof *entities);
     law_samples *samples = pl_arena_alloc(arena, 1, sizeof *samples);
-    if (things == NULL || samples == NULL)
+    if (entities == NULL || samples == NULL)
       return pl_fail(PL_E_MEMORY, "out of memory for photometric laws");
     samples->shot = shot;
     samples->detail = detail;
@@ -262,8 +263,8 @@ pl_status pl_reflectance_lod_fit(const pl_snapshot *shot, pl_detail detail, pl_a
       continue;
     pl_view_lods *lods;
     PL_TRY(summarise(samples, arena, &lods));
-    things[pl_shot_slot(shot, samples->surface_id)].lods = lods;
-    view->things = things;
+    entities[pl_shot_slot(shot, samples->surface_id)].lods = lods;
+    view->entities = entities;
   }
   return PL_OK;
 }

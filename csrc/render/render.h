@@ -41,7 +41,7 @@ typedef struct pl_render_settings {
   const pl_caustics
       *caustics; /* borrowed; NULL: mirror reflections of the sun are found only by chance */
   /* borrowed; NULL: bodies that light others are found only by chance */
-  const pl_planetshine *shine;
+  const pl_planetshine *planetshine;
   bool emitters_on_bodies;     /* emitters light bodies too, not only meshes */
   const pl_backdrop *backdrop; /* borrowed; radiance behind everything; NULL: black */
   bool shadow_mask;            /* points say whether they are in shadow */

@@ -4,7 +4,7 @@
 
 #include "render/path.h"
 
-/* Why a point is in shadow: by the first thing that the sun's light meets on its way to it. */
+/* Why a point is in shadow: by the first entity that the sun's light meets on its way to it. */
 typedef enum pl_shadow_cause {
   PL_SHADOW_NONE,
   PL_SHADOW_SELF,   /* the surface faces away, or is hidden by another part of itself */

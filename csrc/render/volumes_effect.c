@@ -5,8 +5,8 @@
 #include <math.h>
 
 /* A volume as an entry of the view, which may shadow and light objects and bodies. */
-static pl_view_thing thing_of(const pl_view_volume *volume) {
-  return (pl_view_thing){
+static pl_view_entity entity_of(const pl_view_volume *volume) {
+  return (pl_view_entity){
       .distance_m = volume->distance_m,
       .radius_m = volume->radius_m,
       .center_m = {volume->center_m[0], volume->center_m[1], volume->center_m[2]},
@@ -21,23 +21,23 @@ typedef struct share {
 
 /* Whether there are other media that a volume may shadow: other volumes, clouds, rings. */
 static bool shades_media(const pl_view *view) {
-  for (size_t i = 0; i < view->thing_count; i++)
-    if (view->things[i].clouds != NULL || view->things[i].rings_radius_m > 0.0)
+  for (size_t i = 0; i < view->entity_count; i++)
+    if (view->entities[i].clouds != NULL || view->entities[i].rings_radius_m > 0.0)
       return true;
   return view->volume_count > 1;
 }
 
 static share share_of(const pl_view *view, const pl_view_volume *volume) {
-  const pl_view_thing thing = thing_of(volume);
+  const pl_view_entity entity = entity_of(volume);
   share out = {.shades = false};
-  for (size_t i = 0; i < view->thing_count; i++) {
-    const pl_view_thing *other = &view->things[i];
+  for (size_t i = 0; i < view->entity_count; i++) {
+    const pl_view_entity *other = &view->entities[i];
     if ((other->in_frame || view->max_bounces > 0) && volume->depth > 0.0 &&
-        pl_view_shadow_reaches(view, &thing, other))
+        pl_view_shadow_reaches(view, &entity, other))
       out.shades = true;
     if (other->in_frame && view->max_bounces > 0)
       out.lights = fmax(out.lights,
-                        pl_view_transfer(other, &thing) * pl_view_series(view, view->max_bounces));
+                        pl_view_transfer(other, &entity) * pl_view_series(view, view->max_bounces));
   }
   out.shades = out.shades || (volume->depth > 0.0 && shades_media(view));
   return out;

@@ -11,7 +11,7 @@ static double dot(const double a[3], const double b[3]) {
 /* Upper bound of the path length through the rings relative to the path along their normal, for
  * lines from the rings to points within margin_m of `point_m`. No point of the rings is farther
  * from that point than the point's distance from the centre plus the ring radius. */
-static double longest(const pl_view_thing *body, const double point_m[3], double margin_m) {
+static double longest(const pl_view_entity *body, const double point_m[3], double margin_m) {
   const double from[3] = {point_m[0] - body->center_m[0], point_m[1] - body->center_m[1],
                           point_m[2] - body->center_m[2]};
   const double height = fabs(dot(body->rings_axis, from)) - margin_m;
@@ -19,15 +19,15 @@ static double longest(const pl_view_thing *body, const double point_m[3], double
   return height > 0.0 ? far / height : INFINITY;
 }
 
-static double opacity(const pl_view_thing *body, double path) {
+static double opacity(const pl_view_entity *body, double path) {
   return body->rings_depth > 0.0 ? -expm1(-body->rings_depth * path) : 0.0;
 }
 
 /* True if sunlight crosses the rings on its way to an object or body in the frame. */
-static bool shades(const pl_view *view, const pl_view_thing *body) {
-  const pl_view_thing shell = pl_view_rings(body);
-  for (size_t i = 0; i < view->thing_count; i++)
-    if (view->things[i].in_frame && pl_view_shadow_reaches(view, &shell, &view->things[i]))
+static bool shades(const pl_view *view, const pl_view_entity *body) {
+  const pl_view_entity shell = pl_view_rings(body);
+  for (size_t i = 0; i < view->entity_count; i++)
+    if (view->entities[i].in_frame && pl_view_shadow_reaches(view, &shell, &view->entities[i]))
       return true;
   return false;
 }
@@ -37,7 +37,8 @@ static bool shades(const pl_view *view, const pl_view_thing *body) {
  * radius rho centred on the plane's horizon, the mean of this loss is below (4/pi) depth/rho (1 +
  * ln(rho/depth)). The bound is twice that, to include angles too large for the small-angle
  * approximation. A mirror may reflect only the horizon, so its bound is 1. */
-static double kept_back(double depth, const pl_view_thing *receiver, const pl_view_thing *source) {
+static double kept_back(double depth, const pl_view_entity *receiver,
+                        const pl_view_entity *source) {
   double d2 = 0.0;
   for (int k = 0; k < 3; k++)
     d2 += pow(receiver->center_m[k] - source->center_m[k], 2.0);
@@ -50,21 +51,21 @@ static double kept_back(double depth, const pl_view_thing *receiver, const pl_vi
 /* Upper bound of the radiance that objects and bodies in the frame reflect of the rings' light, or
  * lose of the light from others. Light that a body receives from its own rings is neglected at
  * every value of the effect. `lit`: relative path length of sunlight through the rings. */
-static double reflected(const pl_view *view, const pl_view_thing *body, double lit) {
-  const pl_view_thing shell = pl_view_rings(body);
+static double reflected(const pl_view *view, const pl_view_entity *body, double lit) {
+  const pl_view_entity shell = pl_view_rings(body);
   double most = 0.0;
-  for (size_t i = 0; i < view->thing_count; i++) {
-    const pl_view_thing *thing = &view->things[i];
-    if (!thing->in_frame)
+  for (size_t i = 0; i < view->entity_count; i++) {
+    const pl_view_entity *entity = &view->entities[i];
+    if (!entity->in_frame)
       continue;
     double sum = 0.0;
-    if (thing != body)
-      sum = pl_view_transfer(thing, &shell) * body->rings_light *
-            fmin(1.0, kept_back(body->rings_depth, thing, &shell) + body->rings_depth * lit);
-    for (size_t k = 0; k < view->thing_count; k++)
+    if (entity != body)
+      sum = pl_view_transfer(entity, &shell) * body->rings_light *
+            fmin(1.0, kept_back(body->rings_depth, entity, &shell) + body->rings_depth * lit);
+    for (size_t k = 0; k < view->entity_count; k++)
       if (k != i)
-        sum += pl_view_transfer(thing, &view->things[k]) * pl_view_light(&view->things[k]) *
-               kept_back(body->rings_depth, thing, &view->things[k]);
+        sum += pl_view_transfer(entity, &view->entities[k]) * pl_view_light(&view->entities[k]) *
+               kept_back(body->rings_depth, entity, &view->entities[k]);
     most = fmax(most, sum);
   }
   return most * pl_view_series(view, view->max_bounces);
@@ -72,18 +73,18 @@ static double reflected(const pl_view *view, const pl_view_thing *body, double l
 
 static const char *absent(const pl_view *view) {
   bool any = false;
-  for (size_t i = 0; i < view->thing_count; i++) {
-    const pl_view_thing *thing = &view->things[i];
-    if (!(thing->rings_radius_m > 0.0))
+  for (size_t i = 0; i < view->entity_count; i++) {
+    const pl_view_entity *entity = &view->entities[i];
+    if (!(entity->rings_radius_m > 0.0))
       continue;
-    if (thing->rings_in_frame || shades(view, thing) || reflected(view, thing, INFINITY) > 0.0)
+    if (entity->rings_in_frame || shades(view, entity) || reflected(view, entity, INFINITY) > 0.0)
       return NULL;
     any = true;
   }
   return any ? "no rings are visible or cast shadows in the frame" : "no body has rings";
 }
 
-static double missing_dn(const pl_view *view, const pl_view_thing *body) {
+static double missing_dn(const pl_view *view, const pl_view_entity *body) {
   static const double camera[3] = {0.0, 0.0, 0.0};
   const double seen = longest(body, camera, 0.0);
   const double lit = longest(body, view->sun_position_m, view->sun_radius_m);
@@ -104,9 +105,9 @@ static double missing_dn(const pl_view *view, const pl_view_thing *body) {
 
 static double bound_dn(const pl_view *view, int value) {
   double sum = 0.0;
-  for (size_t i = 0; value == 0 && i < view->thing_count; i++)
-    if (view->things[i].rings_radius_m > 0.0)
-      sum += missing_dn(view, &view->things[i]);
+  for (size_t i = 0; value == 0 && i < view->entity_count; i++)
+    if (view->entities[i].rings_radius_m > 0.0)
+      sum += missing_dn(view, &view->entities[i]);
   return fmin(sum, 255.0);
 }
 

@@ -28,7 +28,7 @@ pl_status pl_object_materials_create(const char *name, const pl_graph *const *gr
                                      pl_object_materials **out);
 void pl_object_materials_destroy(pl_object_materials *materials); /* NULL is allowed */
 /* Returns a number in 0..1 derived from a name, which decorrelates the patterns of different
- * things. */
+ * entities. */
 float pl_material_random(const char *name);
 /* Reorders the triangles to match the whole of a cut. */
 pl_status pl_object_materials_sort(pl_object_materials *materials, const pl_cut *cut);

@@ -28,7 +28,7 @@ static double bound_dn(const pl_view *view, int value) {
 
 /* Every instant needs its own tree of instances and its own pass over the tiles. */
 static double cost_ms(const pl_view *view, int value) {
-  return value * (0.1 + 0.02 * (double)view->thing_count + 1e-5 * view->width * view->height);
+  return value * (0.1 + 0.02 * (double)view->entity_count + 1e-5 * view->width * view->height);
 }
 
 const pl_effect pl_effect_motion_blur = {

@@ -3,12 +3,12 @@
 
 #include "terrain/ground_distance.h"
 
-/* Bounding sphere that moves with a thing, and its motion relative to the thing. */
+/* Bounding sphere that moves with an entity, and its motion relative to the entity. */
 typedef struct mover {
   const pl_motion *motion;
-  pl_vec3 local; /* centre in the thing's axes, m */
+  pl_vec3 local; /* centre in the entity's axes, m */
   double radius_m;
-  double inner_m; /* largest displacement of its parts relative to the thing between two keys, m */
+  double inner_m; /* largest displacement of its parts relative to the entity between two keys, m */
   double glint_rad; /* width of its narrowest specular highlights; infinite without any */
 } mover;
 
@@ -193,7 +193,7 @@ static double rings_px(const pl_rings *rings, const pl_motion *motion, const ste
   return step->px_per_rad * fmin(by_camera / nearest, step->turn_rad + by_root / nearest);
 }
 
-/* Volumes move with their parent things. */
+/* Volumes move with their parent entities. */
 static double volume_px(const pl_placement *placement, const pl_snapshot *shot, size_t i,
                         const step *step, double u[2]) {
   const pl_shot_volume *volume = &shot->volumes[i];

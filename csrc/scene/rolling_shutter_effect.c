@@ -25,7 +25,7 @@ static double bound_dn(const pl_view *view, int value) {
 }
 
 static double cost_ms(const pl_view *view, int value) {
-  return value * (0.1 + 0.02 * (double)view->thing_count);
+  return value * (0.1 + 0.02 * (double)view->entity_count);
 }
 
 const pl_effect pl_effect_rolling_shutter = {

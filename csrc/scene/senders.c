@@ -7,8 +7,8 @@ static double decode(double encoded) {
   return encoded <= 0.04045 ? encoded / 12.92 : pow((encoded + 0.055) / 1.055, 2.4);
 }
 
-static pl_sender sender_of(const pl_view *view, const pl_view_thing *body,
-                           const pl_view_thing *source) {
+static pl_sender sender_of(const pl_view *view, const pl_view_entity *body,
+                           const pl_view_entity *source) {
   const double light = pl_view_light_at(view, body, source);
   return (pl_sender){.center = {source->center_m[0], source->center_m[1], source->center_m[2]},
                      .radius_m = source->radius_m,
@@ -17,17 +17,17 @@ static pl_sender sender_of(const pl_view *view, const pl_view_thing *body,
 
 pl_status pl_senders_make(const pl_view *view, size_t meshes, size_t body, double tolerance_dn,
                           pl_arena *arena, pl_senders **out) {
-  const pl_view_thing *thing = &view->things[body];
+  const pl_view_entity *entity = &view->entities[body];
   const double series = pl_view_series(view, view->max_bounces);
   const double least = view->white_radiance * decode(fmin(tolerance_dn / 255.0, 1.0)) / series;
   double rest = pl_view_received(view, body);
   *out = NULL;
-  if (view->tree != NULL || !(least > 0.0) || thing->graphed)
+  if (view->tree != NULL || !(least > 0.0) || entity->graphed)
     return PL_OK;
   rest *= 1.0 + 1e-9; /* rounding of the difference */
   for (size_t k = 0; k < meshes; k++)
-    rest -=
-        pl_view_transfer(thing, &view->things[k]) * pl_view_light_at(view, thing, &view->things[k]);
+    rest -= pl_view_transfer(entity, &view->entities[k]) *
+            pl_view_light_at(view, entity, &view->entities[k]);
   rest = fmax(rest, 0.0);
   if (rest >= least)
     return PL_OK;
@@ -36,11 +36,11 @@ pl_status pl_senders_make(const pl_view *view, size_t meshes, size_t body, doubl
   if (made == NULL || items == NULL)
     return pl_fail(PL_E_MEMORY, "out of memory for light of others on a body");
   for (size_t k = 0; k < meshes; k++)
-    items[k] = sender_of(view, thing, &view->things[k]);
+    items[k] = sender_of(view, entity, &view->entities[k]);
   *made = (pl_senders){.items = items,
                        .count = meshes,
                        .rest = rest,
-                       .albedo = fmin(thing->albedo_max, 1.0),
+                       .albedo = fmin(entity->albedo_max, 1.0),
                        .least = least};
   *out = made;
   return PL_OK;

@@ -23,9 +23,9 @@ typedef struct pl_senders {
   double least;  /* reflected light of others that is below this does not matter */
 } pl_senders;
 
-/* For things[body], on which the light of the first `meshes` things may matter. Sets `out` to NULL
- * where points are not worth telling apart: others' light matters anyway, things are many, or every
- * change matters. Allocated in `arena`. */
+/* For entities[body], on which the light of the first `meshes` entities may matter. Sets `out` to
+ * NULL where points are not worth telling apart: others' light matters anyway, entities are many,
+ * or every change matters. Allocated in `arena`. */
 pl_status pl_senders_make(const pl_view *view, size_t meshes, size_t body, double tolerance_dn,
                           pl_arena *arena, pl_senders **out);
 

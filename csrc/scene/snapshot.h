@@ -172,8 +172,8 @@ pl_status pl_snapshot_build(const pl_scene *scene, const pl_placement *placement
 /* Returns PL_E_RANGE if the camera is inside a body that is a smooth ellipsoid. */
 pl_status pl_shot_check_outside(const pl_shot_body *body);
 
-/* Makes the view of a snapshot, in `arena`; its things are the objects, then the bodies. The caller
- * fills in the exposure and the user's limits. */
+/* Makes the view of a snapshot, in `arena`; its entities are the objects, then the bodies. The
+ * caller fills in the exposure and the user's limits. */
 pl_status pl_snapshot_view(const pl_snapshot *snapshot, pl_arena *arena, pl_view *out);
 
 /* Input of culling: what the frame needs of a snapshot. */

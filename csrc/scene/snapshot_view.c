@@ -14,11 +14,11 @@ double pl_shot_irradiance_max(const pl_snapshot *shot, pl_vec3 center, double ra
   return pl_shot_sun_irradiance(&shot->sun, pl_vec3_madd(center, step / distance, to_sun));
 }
 
-static void set_center(pl_view_thing *thing, pl_vec3 center) {
-  thing->center_m[0] = center.x;
-  thing->center_m[1] = center.y;
-  thing->center_m[2] = center.z;
-  thing->distance_m = pl_vec3_norm(center);
+static void set_center(pl_view_entity *entity, pl_vec3 center) {
+  entity->center_m[0] = center.x;
+  entity->center_m[1] = center.y;
+  entity->center_m[2] = center.z;
+  entity->distance_m = pl_vec3_norm(center);
 }
 
 /* True if a piece is placed without stretching it. */
@@ -37,7 +37,7 @@ static bool is_rigid(const pl_shot_piece *piece, double scale) {
   return skew < tolerance;
 }
 
-/* As pl_view_thing.sent_gain. Mirrors send the sun's radiance. */
+/* As pl_view_entity.sent_gain. Mirrors send the sun's radiance. */
 static double sent_gain(const pl_snapshot *shot, const pl_shot_object *object) {
   const pl_sent_light *sent = &object->object->sent;
   for (size_t k = 0; k < object->piece_count; k++)
@@ -51,9 +51,9 @@ static double sent_gain(const pl_snapshot *shot, const pl_shot_object *object) {
   return (sent->area_gain + sent->mirrors * ratio * ratio) / (PL_PI * size * size);
 }
 
-static pl_view_thing craft_thing(const pl_snapshot *shot, const pl_shot_object *object) {
+static pl_view_entity craft_entity(const pl_snapshot *shot, const pl_shot_object *object) {
   const pl_model_summary *summary = &object->object->summary;
-  pl_view_thing thing = {
+  pl_view_entity entity = {
       .in_frame = object->in_frame,
       .textured = summary->textured,
       .radius_m = object->radius_m,
@@ -68,8 +68,8 @@ static pl_view_thing craft_thing(const pl_snapshot *shot, const pl_shot_object *
       .bumped = summary->bumped,
       .diffuse = summary->diffuse,
   };
-  set_center(&thing, object->center);
-  return thing;
+  set_center(&entity, object->center);
+  return entity;
 }
 
 /* Lower bound of the texels of a body's map per metre of its surface. A step s on the tangent plane
@@ -87,22 +87,22 @@ static double map_density(const pl_body_state *state, const pl_texture *map) {
 
 /* Applies a body's graph: its values replace those of the body, or combine with them if the graph
  * uses them. */
-static void add_graph(const pl_body *body, pl_view_thing *thing) {
+static void add_graph(const pl_body *body, pl_view_entity *entity) {
   const pl_model_summary *summary = &body->summary;
   const bool own = pl_graph_uses_own(body->graph);
   const double strength =
       pl_graph_sets_emission(body->graph) ? pl_graph_own_emission(body->graph) : 1.0;
-  thing->textured = summary->textured || (own && thing->textured);
-  thing->albedo_max = own ? fmax(summary->albedo_max, thing->albedo_max) : summary->albedo_max;
-  thing->ggx_alpha_min = summary->ggx_alpha_min;
-  thing->emission_max = fmax(summary->emission_max, strength * thing->emission_max);
-  thing->coat_max = summary->coat_max;
-  thing->transmission_max = summary->transmission_max;
-  thing->pictured = summary->pictured || (own && (thing->pictured || thing->map_ranges != NULL));
-  thing->bumped = summary->bumped;
-  thing->diffuse = summary->diffuse && (thing->diffuse || !own);
-  thing->graphed = true;
-  thing->map_ranges = NULL; /* there is no bound on how the graph transforms a map */
+  entity->textured = summary->textured || (own && entity->textured);
+  entity->albedo_max = own ? fmax(summary->albedo_max, entity->albedo_max) : summary->albedo_max;
+  entity->ggx_alpha_min = summary->ggx_alpha_min;
+  entity->emission_max = fmax(summary->emission_max, strength * entity->emission_max);
+  entity->coat_max = summary->coat_max;
+  entity->transmission_max = summary->transmission_max;
+  entity->pictured = summary->pictured || (own && (entity->pictured || entity->map_ranges != NULL));
+  entity->bumped = summary->bumped;
+  entity->diffuse = summary->diffuse && (entity->diffuse || !own);
+  entity->graphed = true;
+  entity->map_ranges = NULL; /* there is no bound on how the graph transforms a map */
 }
 
 /* Upper bound of the maps of albedo in a band, over which rasters and their contrast may go. */
@@ -152,17 +152,17 @@ static double albedo_max(const pl_body *body, const pl_body_state *state) {
 }
 
 /* No point of the rings is nearer to the sun than the centre's distance less their radius. */
-static void add_rings(const pl_snapshot *shot, const pl_shot_body *body, pl_view_thing *thing) {
+static void add_rings(const pl_snapshot *shot, const pl_shot_body *body, pl_view_entity *entity) {
   const pl_rings_reach reach = pl_rings_reach_of(body->body->rings);
   const pl_vec3 axis = pl_mat3_mul_vec(body->rotation, (pl_vec3){0.0, 0.0, 1.0});
-  thing->rings_radius_m = pl_rings_outer_m(body->body->rings);
-  thing->rings_in_frame = body->rings_in_frame;
-  thing->rings_axis[0] = axis.x;
-  thing->rings_axis[1] = axis.y;
-  thing->rings_axis[2] = axis.z;
-  thing->rings_depth = reach.depth;
-  thing->rings_light =
-      reach.scattered * pl_shot_irradiance_max(shot, body->center, thing->rings_radius_m);
+  entity->rings_radius_m = pl_rings_outer_m(body->body->rings);
+  entity->rings_in_frame = body->rings_in_frame;
+  entity->rings_axis[0] = axis.x;
+  entity->rings_axis[1] = axis.y;
+  entity->rings_axis[2] = axis.z;
+  entity->rings_depth = reach.depth;
+  entity->rings_light =
+      reach.scattered * pl_shot_irradiance_max(shot, body->center, entity->rings_radius_m);
 }
 
 static bool varies(const pl_texture *map) {
@@ -173,32 +173,32 @@ static bool varies(const pl_texture *map) {
 /* Open water can reflect all light at grazing angles; its radiance in one direction is bounded by
  * its waves as for microfacets (tests/c/test_water.c). */
 static void add_ground(const pl_ground *ground, const pl_ground_state *state,
-                       pl_view_thing *thing) {
+                       pl_view_entity *entity) {
   const pl_texture *maps[] = {ground->heights, ground->normals,
                               ground->ocean ? ground->water : NULL, ground->lights};
   for (size_t i = 0; i < sizeof maps / sizeof *maps; i++) {
-    thing->textured = thing->textured || maps[i] != NULL;
-    thing->pictured = thing->pictured || varies(maps[i]);
+    entity->textured = entity->textured || maps[i] != NULL;
+    entity->pictured = entity->pictured || varies(maps[i]);
   }
-  thing->relief = pl_ground_has_relief(ground);
-  thing->ocean = ground->ocean;
+  entity->relief = pl_ground_has_relief(ground);
+  entity->ocean = ground->ocean;
   if (ground->ocean) {
-    thing->diffuse = false;
-    thing->albedo_max = 1.0;
-    thing->ggx_alpha_min = (double)pl_water_bound_alpha(state->wind_m_s);
+    entity->diffuse = false;
+    entity->albedo_max = 1.0;
+    entity->ggx_alpha_min = (double)pl_water_bound_alpha(state->wind_m_s);
   }
   if (ground->lights == NULL)
     return;
   const float *lights = state->lights;
   const double peak = state->towns_m == 0.0f ? 1.0 : (double)PL_TOWNS_PEAK;
-  thing->lights_max = peak * fmax(lights[0], fmax(lights[1], lights[2]));
-  thing->emission_max += thing->lights_max;
+  entity->lights_max = peak * fmax(lights[0], fmax(lights[1], lights[2]));
+  entity->emission_max += entity->lights_max;
 }
 
-static pl_view_thing body_thing(const pl_snapshot *shot, const pl_shot_body *body) {
+static pl_view_entity body_entity(const pl_snapshot *shot, const pl_shot_body *body) {
   const pl_body_state *state = body->state;
   const bool diffuse = body->body->reflectance == &pl_reflectance_lambert;
-  pl_view_thing thing = {
+  pl_view_entity entity = {
       .is_body = true,
       .is_world = true,
       .in_frame = body->in_frame || body->clouds_in_frame,
@@ -217,85 +217,85 @@ static pl_view_thing body_thing(const pl_snapshot *shot, const pl_shot_body *bod
       .emission_max = fmax(state->emission[0], fmax(state->emission[1], state->emission[2])),
   };
   const bool plain = state->contrast == 0.0f && !has_rasters(body->body);
-  thing.pictured = thing.pictured || (body->body->map != NULL && !plain);
+  entity.pictured = entity.pictured || (body->body->map != NULL && !plain);
   if (body->body->map != NULL && plain) {
-    thing.map_ranges = pl_texture_ranges(body->body->map, &thing.map_levels);
-    thing.map_texels_per_m = diffuse ? map_density(state, body->body->map) : 0.0;
+    entity.map_ranges = pl_texture_ranges(body->body->map, &entity.map_levels);
+    entity.map_texels_per_m = diffuse ? map_density(state, body->body->map) : 0.0;
   }
   if (body->body->graph != NULL)
-    add_graph(body->body, &thing);
+    add_graph(body->body, &entity);
   else
-    add_ground(&body->body->ground, &state->ground, &thing);
-  for (int k = 0; thing.clouds != NULL && k < 3; k++) /* clouds may be brighter than the ground */
-    thing.albedo_max = fmax(thing.albedo_max, (double)state->clouds.color[k]);
+    add_ground(&body->body->ground, &state->ground, &entity);
+  for (int k = 0; entity.clouds != NULL && k < 3; k++) /* clouds may be brighter than the ground */
+    entity.albedo_max = fmax(entity.albedo_max, (double)state->clouds.color[k]);
   if (body->body->rings != NULL)
-    add_rings(shot, body, &thing);
-  set_center(&thing, body->center);
-  return thing;
+    add_rings(shot, body, &entity);
+  set_center(&entity, body->center);
+  return entity;
 }
 
 /* Shape of a body: the body's surface on a mesh. Bounds of a map on an ellipsoid do not hold on an
  * arbitrary mesh, and reflectance levels of detail are not used. */
 /* Adds the materials of the shape's file to the properties that the graph gives. */
-static void add_materials(const pl_model_summary *summary, pl_view_thing *thing) {
-  thing->textured |= summary->textured;
-  thing->pictured |= summary->pictured;
-  thing->bumped |= summary->bumped;
-  thing->diffuse &= summary->diffuse;
-  thing->albedo_max = fmax(thing->albedo_max, summary->albedo_max);
-  thing->ggx_alpha_min = fmin(thing->ggx_alpha_min, summary->ggx_alpha_min);
-  thing->coat_max = fmax(thing->coat_max, summary->coat_max);
+static void add_materials(const pl_model_summary *summary, pl_view_entity *entity) {
+  entity->textured |= summary->textured;
+  entity->pictured |= summary->pictured;
+  entity->bumped |= summary->bumped;
+  entity->diffuse &= summary->diffuse;
+  entity->albedo_max = fmax(entity->albedo_max, summary->albedo_max);
+  entity->ggx_alpha_min = fmin(entity->ggx_alpha_min, summary->ggx_alpha_min);
+  entity->coat_max = fmax(entity->coat_max, summary->coat_max);
 }
 
-static pl_view_thing shape_thing(const pl_snapshot *shot, const pl_shot_object *object) {
+static pl_view_entity shape_entity(const pl_snapshot *shot, const pl_shot_object *object) {
   const pl_shot_body *body = &shot->bodies[object->object->body];
-  pl_view_thing thing = body_thing(shot, body);
+  pl_view_entity entity = body_entity(shot, body);
   if (body->body->dressed && (body->body->graph == NULL || pl_graph_uses_own(body->body->graph)))
-    add_materials(&object->object->model_summary, &thing);
-  thing.is_body = false;
-  thing.in_frame = object->in_frame;
-  thing.radius_m = object->radius_m;
-  thing.irradiance = pl_shot_irradiance_max(shot, object->center, object->radius_m);
-  thing.pictured = thing.pictured || thing.map_ranges != NULL;
-  thing.map_ranges = NULL;
-  thing.air = NULL;
-  set_center(&thing, object->center);
-  return thing;
+    add_materials(&object->object->model_summary, &entity);
+  entity.is_body = false;
+  entity.in_frame = object->in_frame;
+  entity.radius_m = object->radius_m;
+  entity.irradiance = pl_shot_irradiance_max(shot, object->center, object->radius_m);
+  entity.pictured = entity.pictured || entity.map_ranges != NULL;
+  entity.map_ranges = NULL;
+  entity.air = NULL;
+  set_center(&entity, object->center);
+  return entity;
 }
 
 /* Terrain: the body's surface on a height field, which shades and lights itself as a mesh does. */
-static pl_view_thing terrain_thing(const pl_snapshot *shot, const pl_shot_body *body) {
-  pl_view_thing thing = body_thing(shot, body);
+static pl_view_entity terrain_entity(const pl_snapshot *shot, const pl_shot_body *body) {
+  pl_view_entity entity = body_entity(shot, body);
   const pl_ground_tile_view view = {.eye = body->camera,
                                     .pixel_rad = 1.0 / fmax(shot->camera.fx, shot->camera.fy),
                                     .cells_per_pixel = body->body->cells_per_pixel,
                                     .finest_m = body->body->finest_cell_m};
-  thing.is_body = false;
-  thing.terrain = pl_ground_levels(body->body->terrain, &view);
-  thing.rays = body->body->graph == NULL && pl_terrain_ray_brightness(body->body->terrain) > 0.0;
-  thing.radius_m = body->outer_m;
-  thing.irradiance = pl_shot_irradiance_max(shot, body->center, body->outer_m);
-  thing.pictured = thing.pictured || thing.map_ranges != NULL;
-  thing.map_ranges = NULL;
-  return thing;
+  entity.is_body = false;
+  entity.terrain = pl_ground_levels(body->body->terrain, &view);
+  entity.rays = body->body->graph == NULL && pl_terrain_ray_brightness(body->body->terrain) > 0.0;
+  entity.radius_m = body->outer_m;
+  entity.irradiance = pl_shot_irradiance_max(shot, body->center, body->outer_m);
+  entity.pictured = entity.pictured || entity.map_ranges != NULL;
+  entity.map_ranges = NULL;
+  return entity;
 }
 
 /* Thing of a body that its shape replaces: it has no surface. */
-static pl_view_thing hollow_thing(const pl_shot_body *body) {
-  pl_view_thing thing = {.ggx_alpha_min = 1.0, .diffuse = true};
-  set_center(&thing, body->center);
-  return thing;
+static pl_view_entity hollow_entity(const pl_shot_body *body) {
+  pl_view_entity entity = {.ggx_alpha_min = 1.0, .diffuse = true};
+  set_center(&entity, body->center);
+  return entity;
 }
 
-static pl_view_thing thing_of(const pl_snapshot *shot, size_t index) {
+static pl_view_entity entity_of(const pl_snapshot *shot, size_t index) {
   if (index < shot->craft_count)
-    return craft_thing(shot, &shot->objects[index]);
+    return craft_entity(shot, &shot->objects[index]);
   if (index < shot->object_count)
-    return shape_thing(shot, &shot->objects[index]);
+    return shape_entity(shot, &shot->objects[index]);
   const pl_shot_body *body = &shot->bodies[index - shot->object_count];
   if (body->shape != NULL)
-    return hollow_thing(body);
-  return body->has_terrain ? terrain_thing(shot, body) : body_thing(shot, body);
+    return hollow_entity(body);
+  return body->has_terrain ? terrain_entity(shot, body) : body_entity(shot, body);
 }
 
 static double corner_tangent(const pl_camera *camera) {
@@ -334,13 +334,13 @@ static double defocus_px(const pl_snapshot *shot, const pl_view *view) {
   }
   if (view->sun_in_frame)
     most = sphere_defocus_px(shot, half, shot->sun.position, shot->sun.radius_m);
-  for (size_t i = 0; i < view->thing_count; i++) {
-    const pl_view_thing *thing = &view->things[i];
-    const pl_vec3 center = {thing->center_m[0], thing->center_m[1], thing->center_m[2]};
-    if (thing->in_frame)
-      most = fmax(most, sphere_defocus_px(shot, half, center, thing->radius_m));
-    if (thing->rings_in_frame)
-      most = fmax(most, sphere_defocus_px(shot, half, center, thing->rings_radius_m));
+  for (size_t i = 0; i < view->entity_count; i++) {
+    const pl_view_entity *entity = &view->entities[i];
+    const pl_vec3 center = {entity->center_m[0], entity->center_m[1], entity->center_m[2]};
+    if (entity->in_frame)
+      most = fmax(most, sphere_defocus_px(shot, half, center, entity->radius_m));
+    if (entity->rings_in_frame)
+      most = fmax(most, sphere_defocus_px(shot, half, center, entity->rings_radius_m));
   }
   for (size_t i = 0; i < shot->volume_count; i++)
     if (shot->volumes[i].in_frame)
@@ -349,15 +349,15 @@ static double defocus_px(const pl_snapshot *shot, const pl_view *view) {
   return most;
 }
 
-/* For large views: builds the tree of things and marks those that shadows fall on. */
-static pl_status index_things(pl_arena *arena, pl_view *view) {
+/* For large views: builds the tree of entities and marks those that shadows fall on. */
+static pl_status index_entities(pl_arena *arena, pl_view *view) {
   PL_TRY(pl_view_tree_build(arena, view));
   if (view->tree == NULL)
     return PL_OK;
-  bool *shadowed = pl_arena_alloc(arena, view->thing_count, sizeof *shadowed);
+  bool *shadowed = pl_arena_alloc(arena, view->entity_count, sizeof *shadowed);
   if (shadowed == NULL)
     return pl_fail(PL_E_MEMORY, "out of memory for the view");
-  for (size_t i = 0; i < view->thing_count; i++)
+  for (size_t i = 0; i < view->entity_count; i++)
     shadowed[i] = pl_view_shadowed(view, i);
   view->shadowed = shadowed;
   return PL_OK;
@@ -365,11 +365,11 @@ static pl_status index_things(pl_arena *arena, pl_view *view) {
 
 pl_status pl_snapshot_view(const pl_snapshot *shot, pl_arena *arena, pl_view *out) {
   const size_t count = shot->object_count + shot->body_count;
-  pl_view_thing *things = pl_arena_alloc(arena, count, sizeof *things);
-  if (things == NULL)
+  pl_view_entity *entities = pl_arena_alloc(arena, count, sizeof *entities);
+  if (entities == NULL)
     return pl_fail(PL_E_MEMORY, "out of memory for the view");
   for (size_t i = 0; i < count; i++)
-    things[i] = thing_of(shot, i);
+    entities[i] = entity_of(shot, i);
   const pl_vec3 sun = shot->sun.position;
   const double distance = pl_vec3_norm(sun);
   const pl_vec3 axis = pl_mat3_mul_vec(shot->camera_to_root, (pl_vec3){0.0, 0.0, 1.0});
@@ -385,100 +385,101 @@ pl_status pl_snapshot_view(const pl_snapshot *shot, pl_arena *arena, pl_view *ou
       .sun_irradiance = pl_shot_sun_irradiance(&shot->sun, (pl_vec3){0.0, 0.0, 0.0}),
       .sun_in_frame = shot->sun.in_frame,
       .lens_shift_px = pl_camera_lens_shift(&shot->camera),
-      .things = things,
-      .thing_count = count,
+      .entities = entities,
+      .entity_count = count,
   };
   PL_TRY(pl_volumes_view(shot, arena, out));
-  PL_TRY(index_things(arena, out));
+  PL_TRY(index_entities(arena, out));
   out->defocus_px = defocus_px(shot, out);
   return PL_OK;
 }
 
-/* Arguments of culling tests, which are applied to things or to spheres around several things. */
+/* Arguments of culling tests, which are applied to entities or to spheres around several entities.
+ */
 typedef struct query {
   const pl_view *view;
-  const pl_view_thing *thing, *source;
+  const pl_view_entity *entity, *source;
   double brightest, tolerance_dn, hidden;
 } query;
 
-/* Returns whether the light that `thing` sends to things in the frame, or blocks from them, exceeds
- * the tolerance. Blocked light is at most as bright as the brightest thing. */
-static bool reflects(const pl_view_thing *seen, bool several, void *context) {
+/* Returns whether the light that `entity` sends to entities in the frame, or blocks from them,
+ * exceeds the tolerance. Blocked light is at most as bright as the brightest entity. */
+static bool reflects(const pl_view_entity *seen, bool several, void *context) {
   const query *q = context;
   (void)several;
-  if (seen == q->thing || !seen->in_frame)
+  if (seen == q->entity || !seen->in_frame)
     return false;
   const double light =
-      pl_view_light_at(q->view, seen, q->thing) * pl_view_series(q->view, q->view->max_bounces);
-  const double part = pl_view_transfer(seen, q->thing);
+      pl_view_light_at(q->view, seen, q->entity) * pl_view_series(q->view, q->view->max_bounces);
+  const double part = pl_view_transfer(seen, q->entity);
   return pl_view_dn(q->view, part * fmax(light, q->brightest)) > q->tolerance_dn;
 }
 
-/* Returns whether the shadow of `thing` on `source` removes more than the tolerance from the light
- * that `source` sends to things in the frame. The removed light is bounded by that of a source of
+/* Returns whether the shadow of `entity` on `source` removes more than the tolerance from the light
+ * that `source` sends to entities in the frame. The removed light is bounded by that of a source of
  * the shadow's size anywhere on `source`. */
-static bool dims(const pl_view_thing *seen, bool several, void *context) {
+static bool dims(const pl_view_entity *seen, bool several, void *context) {
   const query *q = context;
   (void)several;
   if (!seen->in_frame || seen == q->source)
     return false;
-  pl_view_thing near = *seen, shadow = *q->source;
+  pl_view_entity near = *seen, shadow = *q->source;
   near.radius_m += q->source->radius_m;
-  shadow.radius_m = fmin(q->thing->radius_m, q->source->radius_m);
+  shadow.radius_m = fmin(q->entity->radius_m, q->source->radius_m);
   const double part = fmin(pl_view_transfer(seen, q->source), pl_view_transfer(&near, &shadow));
   return pl_view_dn(q->view, part * pl_view_light(q->source)) > q->tolerance_dn;
 }
 
 /* Returns whether its shadow on a receiver changes the image, directly or through light that the
  * receiver sends on. */
-static bool shades(const pl_view_thing *receiver, bool several, void *context) {
+static bool shades(const pl_view_entity *receiver, bool several, void *context) {
   const query *q = context;
   query inner = *q;
-  if (receiver == q->thing || !pl_view_shadow_reaches(q->view, q->thing, receiver))
+  if (receiver == q->entity || !pl_view_shadow_reaches(q->view, q->entity, receiver))
     return false;
   inner.source = receiver;
   return several || receiver->in_frame ||
          (q->view->max_bounces > 0 && pl_view_any(q->view, dims, &inner));
 }
 
-/* Returns whether leaving `thing` out can change any pixel by more than the tolerance. */
-static bool matters(const pl_view *view, const pl_view_thing *thing, double brightest,
+/* Returns whether leaving `entity` out can change any pixel by more than the tolerance. */
+static bool matters(const pl_view *view, const pl_view_entity *entity, double brightest,
                     double tolerance_dn) {
-  query q = {.view = view, .thing = thing, .brightest = brightest, .tolerance_dn = tolerance_dn};
+  query q = {.view = view, .entity = entity, .brightest = brightest, .tolerance_dn = tolerance_dn};
   return pl_view_any(view, shades, &q) ||
          (view->max_bounces > 0 && pl_view_any(view, reflects, &q));
 }
 
-static double of_mesh(const pl_view_thing *source, const void *context) {
-  const pl_view_thing *const *bodies = context; /* bodies follow after all meshes */
+static double of_mesh(const pl_view_entity *source, const void *context) {
+  const pl_view_entity *const *bodies = context; /* bodies follow after all meshes */
   return source < *bodies ? 1.0 : 0.0;
 }
 
 /* Sums the fraction of the sun that casters hide. */
-static bool hide(const pl_view_thing *caster, bool several, void *context) {
+static bool hide(const pl_view_entity *caster, bool several, void *context) {
   query *q = context;
   if (several)
-    return pl_view_shadow_reaches(q->view, caster, q->thing);
-  if (caster != q->thing)
-    q->hidden += pl_view_hidden_sun(q->view, caster, q->thing);
+    return pl_view_shadow_reaches(q->view, caster, q->entity);
+  if (caster != q->entity)
+    q->hidden += pl_view_hidden_sun(q->view, caster, q->entity);
   return false;
 }
 
-static bool is_shadowed(const pl_view *view, const pl_view_thing *receiver, double tolerance_dn) {
-  query q = {.view = view, .thing = receiver};
+static bool is_shadowed(const pl_view *view, const pl_view_entity *receiver, double tolerance_dn) {
+  query q = {.view = view, .entity = receiver};
   pl_view_any(view, hide, &q);
   return pl_view_dn_dimming(q.hidden) > tolerance_dn;
 }
 
-static bool eclipses(const pl_view_thing *caster, bool several, void *context) {
+static bool eclipses(const pl_view_entity *caster, bool several, void *context) {
   const query *q = context;
   if (several)
-    return caster->is_body && pl_view_shadow_reaches(q->view, caster, q->thing);
-  return caster->is_body && pl_view_hidden_sun(q->view, caster, q->thing) > 0.0;
+    return caster->is_body && pl_view_shadow_reaches(q->view, caster, q->entity);
+  return caster->is_body && pl_view_hidden_sun(q->view, caster, q->entity) > 0.0;
 }
 
-static bool is_eclipsed(const pl_view *view, const pl_view_thing *receiver) {
-  query q = {.view = view, .thing = receiver};
+static bool is_eclipsed(const pl_view *view, const pl_view_entity *receiver) {
+  query q = {.view = view, .entity = receiver};
   return pl_view_any(view, eclipses, &q);
 }
 
@@ -507,11 +508,11 @@ static bool is_dark(const pl_snapshot *shot, pl_vec3 center, double radius_m) {
   return false;
 }
 
-/* Returns an upper bound of the radiance of any thing, including interreflection, W m-2 sr-1. */
+/* Returns an upper bound of the radiance of any entity, including interreflection, W m-2 sr-1. */
 static double brightest_of(const pl_view *view) {
   double brightest = 0.0;
-  for (size_t i = 0; i < view->thing_count; i++)
-    brightest = fmax(brightest, pl_view_light(&view->things[i]));
+  for (size_t i = 0; i < view->entity_count; i++)
+    brightest = fmax(brightest, pl_view_light(&view->entities[i]));
   for (size_t i = 0; i < view->volume_count; i++)
     brightest += view->volumes[i].scattered + view->volumes[i].emitted;
   return brightest * pl_view_series(view, view->max_bounces);
@@ -523,20 +524,20 @@ static void cull_objects(const pl_snapshot *placed, const pl_culling *culling, d
   for (size_t i = 0; i < placed->object_count; i++) {
     pl_shot_object *object = &out[i];
     *object = placed->objects[i];
-    object->eclipsed = is_eclipsed(view, &view->things[i]);
+    object->eclipsed = is_eclipsed(view, &view->entities[i]);
     object->dark = object->eclipsed && is_dark(placed, object->center, object->radius_m);
     object->kept =
-        object->in_frame || matters(view, &view->things[i], brightest, culling->tolerance_dn);
+        object->in_frame || matters(view, &view->entities[i], brightest, culling->tolerance_dn);
   }
 }
 
 /* Where on an ellipsoid the light of others may matter. */
-static pl_status make_senders(const pl_snapshot *placed, const pl_culling *culling, size_t thing,
+static pl_status make_senders(const pl_snapshot *placed, const pl_culling *culling, size_t entity,
                               pl_arena *arena, pl_shot_body *body) {
   pl_senders *made = NULL;
   if (body->bounced && body->shape == NULL)
-    PL_TRY(pl_senders_make(culling->view, placed->object_count, thing, culling->tolerance_dn, arena,
-                           &made));
+    PL_TRY(pl_senders_make(culling->view, placed->object_count, entity, culling->tolerance_dn,
+                           arena, &made));
   body->senders = made;
   return PL_OK;
 }
@@ -548,22 +549,22 @@ static pl_status cull_bodies(const pl_snapshot *placed, const pl_culling *cullin
   const double series = pl_view_series(view, view->max_bounces);
   double mirrored = 0.0;
   for (size_t i = 0; i < placed->object_count; i++)
-    mirrored = fmax(mirrored, series * pl_view_light_most(view, &view->things[i]));
-  const pl_view_thing *meshes_end = view->things + placed->object_count;
+    mirrored = fmax(mirrored, series * pl_view_light_most(view, &view->entities[i]));
+  const pl_view_entity *meshes_end = view->entities + placed->object_count;
   pl_view_weigh(view, of_mesh, &meshes_end);
   for (size_t i = 0; i < placed->body_count; i++) {
-    const size_t thing = placed->object_count + i;
+    const size_t entity = placed->object_count + i;
     pl_shot_body *body = &out[i];
     *body = placed->bodies[i];
-    body->shadowed = is_shadowed(view, &view->things[thing], culling->tolerance_dn);
+    body->shadowed = is_shadowed(view, &view->entities[entity], culling->tolerance_dn);
     body->bounced =
-        pl_view_dn(view, pl_view_received(view, thing) * series) > culling->tolerance_dn;
-    PL_TRY(make_senders(placed, culling, thing, arena, body));
+        pl_view_dn(view, pl_view_received(view, entity) * series) > culling->tolerance_dn;
+    PL_TRY(make_senders(placed, culling, entity, arena, body));
     /* objects block or send at most the light of the part of its sky that they cover, at the
      * highest radiance */
-    const double part = pl_view_sum(view, &view->things[thing], of_mesh, &meshes_end);
+    const double part = pl_view_sum(view, &view->entities[entity], of_mesh, &meshes_end);
     body->near_meshes = pl_view_dn(view, part * fmax(brightest, mirrored)) > culling->tolerance_dn;
-    body->lods = view->things[thing].lods;
+    body->lods = view->entities[entity].lods;
     body->subpixel = culling->subpixel != NULL && culling->subpixel[i];
     if (body->shape == NULL)
       continue;

@@ -25,8 +25,8 @@ static bool good_pose(const pl_pose *pose) {
          fabs(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z - 1.0) < 1e-6;
 }
 
-static pl_status check(const pl_volume *volume, size_t things) {
-  if (volume->parent >= things)
+static pl_status check(const pl_volume *volume, size_t entities) {
+  if (volume->parent >= entities)
     return pl_fail(PL_E_RANGE, "volume '%s': thing %zu is not there", volume->name, volume->parent);
   if (!good_size(volume))
     return pl_fail(PL_E_RANGE,
@@ -57,11 +57,11 @@ static pl_status check(const pl_volume *volume, size_t things) {
   return PL_OK;
 }
 
-pl_status pl_volumes_check(const pl_volume *volumes, size_t count, size_t things) {
+pl_status pl_volumes_check(const pl_volume *volumes, size_t count, size_t entities) {
   if (count > PL_VOLUMES_MAX)
     return pl_fail(PL_E_RANGE, "%zu volumes: there may be %d", count, PL_VOLUMES_MAX);
   for (size_t i = 0; i < count; i++)
-    PL_TRY(check(&volumes[i], things));
+    PL_TRY(check(&volumes[i], entities));
   return PL_OK;
 }
 

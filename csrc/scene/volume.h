@@ -1,4 +1,5 @@
-/* Bounded volumes: scattering, absorbing or emitting media inside a shape that moves with a thing.
+/* Bounded volumes: scattering, absorbing or emitting media inside a shape that moves with an
+ * entity.
  */
 #ifndef PL_SCENE_VOLUME_H
 #define PL_SCENE_VOLUME_H
@@ -15,7 +16,7 @@ typedef struct pl_volume {
   const char *name; /* borrowed, for error messages */
   const pl_bound *bound;
   double size[3];      /* m, of the bound */
-  size_t parent;       /* thing that it moves with: an object, or craft_count + body index */
+  size_t parent;       /* entity that it moves with: an object, or craft_count + body index */
   pl_pose local;       /* axes of the bound in the parent's axes, m */
   float extinction[3]; /* 1/m in each band */
   float albedo[3];     /* single-scattering albedo in each band, 0..1 */
@@ -29,9 +30,9 @@ typedef struct pl_volume {
   float random;               /* 0..1, derived from the name */
 } pl_volume;
 
-/* Returns PL_E_RANGE, naming the volume, for values out of range. `things`: number of possible
+/* Returns PL_E_RANGE, naming the volume, for values out of range. `entities`: number of possible
  * parents. */
-pl_status pl_volumes_check(const pl_volume *volumes, size_t count, size_t things);
+pl_status pl_volumes_check(const pl_volume *volumes, size_t count, size_t entities);
 
 /* Returns the largest value of the phase function, 1/sr: that of Henyey and Greenstein in its peak.
  */

@@ -4,8 +4,8 @@
 
 #include "scene/snapshot.h"
 
-/* Places a frame's volumes on things that are already placed. The camera's frustum lies in the cone
- * of `half_angle` about `axis`. */
+/* Places a frame's volumes on entities that are already placed. The camera's frustum lies in the
+ * cone of `half_angle` about `axis`. */
 pl_status pl_volumes_place(const pl_placement *placement, pl_arena *arena, pl_vec3 axis,
                            double half_angle, pl_snapshot *out);
 /* Adds upper bounds of their radiance and optical depth to the view. */

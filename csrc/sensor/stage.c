@@ -93,9 +93,9 @@ double pl_sensor_radiance_max(const pl_view *view) {
   double radiance = 0.0;
   if (view->sun_in_frame || pl_view_alpha_min(view) < 1.0)
     return INFINITY;
-  for (size_t i = 0; i < view->thing_count; i++)
-    if (view->things[i].in_frame)
-      radiance = fmax(radiance, pl_view_light(&view->things[i]) + pl_view_received(view, i));
+  for (size_t i = 0; i < view->entity_count; i++)
+    if (view->entities[i].in_frame)
+      radiance = fmax(radiance, pl_view_light(&view->entities[i]) + pl_view_received(view, i));
   radiance *= pl_view_series(view, 1 + view->max_bounces);
   radiance += pl_view_media_max(view);
   return radiance + gathered * pl_view_sky_max(view);

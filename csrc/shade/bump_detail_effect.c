@@ -2,9 +2,11 @@
 #include "plan/changed_surfaces.h"
 #include "plan/effects.h"
 
-static bool is_bumped(const pl_view_thing *thing, int value) { return value == 0 && thing->bumped; }
-static bool has_relief(const pl_view_thing *thing, int value) {
-  return value == 0 && thing->relief;
+static bool is_bumped(const pl_view_entity *entity, int value) {
+  return value == 0 && entity->bumped;
+}
+static bool has_relief(const pl_view_entity *entity, int value) {
+  return value == 0 && entity->relief;
 }
 
 static double cost_ms(const pl_view *view, int value) {

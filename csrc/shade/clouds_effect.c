@@ -6,7 +6,7 @@
 
 /* Weight of a body's clouds in a frame: 1 if they are visible, less if they only scatter light onto
  * objects in the frame or shade them, 0 for neither. */
-static double share_of(const pl_view *view, const pl_view_thing *body) {
+static double share_of(const pl_view *view, const pl_view_entity *body) {
   if (body->clouds == NULL)
     return 0.0;
   if (body->clouds_in_frame)
@@ -16,10 +16,10 @@ static double share_of(const pl_view *view, const pl_view_thing *body) {
 
 static const char *absent(const pl_view *view) {
   bool any = false;
-  for (size_t i = 0; i < view->thing_count; i++) {
-    if (share_of(view, &view->things[i]) > 0.0)
+  for (size_t i = 0; i < view->entity_count; i++) {
+    if (share_of(view, &view->entities[i]) > 0.0)
       return NULL;
-    any |= view->things[i].clouds != NULL;
+    any |= view->entities[i].clouds != NULL;
   }
   return any ? "no clouds are visible, and none light or shadow anything in the frame"
              : "no body has clouds";
@@ -27,14 +27,14 @@ static const char *absent(const pl_view *view) {
 
 static int ceiling(const pl_view *view) {
   double octaves = 1.0;
-  for (size_t i = 0; i < view->thing_count; i++)
-    if (view->things[i].clouds != NULL && pl_clouds_noisy(view->things[i].clouds))
-      octaves = fmax(octaves, ceil((double)view->things[i].clouds->octaves));
+  for (size_t i = 0; i < view->entity_count; i++)
+    if (view->entities[i].clouds != NULL && pl_clouds_noisy(view->entities[i].clouds))
+      octaves = fmax(octaves, ceil((double)view->entities[i].clouds->octaves));
   return (int)octaves;
 }
 
 /* Minimum width of a sample's footprint on the shell, at its nearest point. */
-static double footprint_m(const pl_view *view, const pl_view_thing *body) {
+static double footprint_m(const pl_view *view, const pl_view_entity *body) {
   const double shell_m = body->radius_m + body->clouds->altitude_m;
   const double far = fmax(0.0, body->distance_m - shell_m);
   return far * view->pixel_rad / sqrt(fmax(1.0, (double)view->samples)) /
@@ -48,7 +48,7 @@ static const double TILTED = 1.8;
 /* Bound of the change of a pixel if the cover changes by `cover`: the brightest possible cloud is
  * added, or the same part of the background is removed, once along the sun's light and twice along
  * the ray. */
-static double changed_dn(const pl_view *view, const pl_view_thing *body, double cover,
+static double changed_dn(const pl_view *view, const pl_view_entity *body, double cover,
                          double share) {
   const double tilted = body->clouds->relief_m > 0.0f ? TILTED : 1.0;
   const double bright = share * cover * tilted * pl_view_light(body);
@@ -61,8 +61,8 @@ static double changed_dn(const pl_view *view, const pl_view_thing *body, double 
 
 static double bound_dn(const pl_view *view, int value) {
   double sum = 0.0;
-  for (size_t i = 0; i < view->thing_count; i++) {
-    const pl_view_thing *body = &view->things[i];
+  for (size_t i = 0; i < view->entity_count; i++) {
+    const pl_view_entity *body = &view->entities[i];
     const double share = share_of(view, body);
     if (!(share > 0.0))
       continue;

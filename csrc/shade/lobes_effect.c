@@ -5,19 +5,19 @@
 #include "plan/effects.h"
 #include "plan/view_tree.h"
 
-static double coat_of(const pl_view_thing *thing) { return thing->coat_max; }
-static double passing(const pl_view_thing *thing) { return thing->transmission_max; }
+static double coat_of(const pl_view_entity *entity) { return entity->coat_max; }
+static double passing(const pl_view_entity *entity) { return entity->transmission_max; }
 
-typedef double (*part_fn)(const pl_view_thing *thing);
+typedef double (*part_fn)(const pl_view_entity *entity);
 
 static bool any(const pl_view *view, part_fn part) {
-  for (size_t i = 0; i < view->thing_count; i++)
-    if (part(&view->things[i]) > 0.0)
+  for (size_t i = 0; i < view->entity_count; i++)
+    if (part(&view->entities[i]) > 0.0)
       return true;
   return false;
 }
 
-static double layer_light(const pl_view_thing *source, const void *context) {
+static double layer_light(const pl_view_entity *source, const void *context) {
   const part_fn *part = context;
   return (*part)(source) > 0.0 ? pl_view_light(source) : 0.0;
 }
@@ -29,8 +29,8 @@ static double bound_dn(const pl_view *view, part_fn part) {
   double radiance = 0.0;
   const double series = pl_view_series(view, view->max_bounces);
   pl_view_weigh(view, layer_light, &part);
-  for (size_t i = 0; i < view->thing_count && radiance < view->white_radiance; i++) {
-    const pl_view_thing *seen = &view->things[i];
+  for (size_t i = 0; i < view->entity_count && radiance < view->white_radiance; i++) {
+    const pl_view_entity *seen = &view->entities[i];
     if (!seen->in_frame)
       continue;
     if (part(seen) > 0.0)

@@ -5,8 +5,8 @@
 #include "plan/effects.h"
 
 static const char *absent(const pl_view *view) {
-  for (size_t i = 0; i < view->thing_count; i++)
-    if (view->things[i].lods != NULL)
+  for (size_t i = 0; i < view->entity_count; i++)
+    if (view->entities[i].lods != NULL)
       return NULL;
   return "no body with Hapke's reflectance covers much of the frame";
 }
@@ -32,9 +32,9 @@ static double change_dn(const pl_view *view, const pl_view_lods *lods, size_t la
  */
 static double bound_dn(const pl_view *view, int value) {
   double largest = 0.0;
-  for (size_t i = 0; i < view->thing_count; i++)
-    for (int law = value; view->things[i].lods != NULL && law < PL_VIEW_LODS - 1; law++)
-      largest = fmax(largest, change_dn(view, view->things[i].lods, (size_t)law));
+  for (size_t i = 0; i < view->entity_count; i++)
+    for (int law = value; view->entities[i].lods != NULL && law < PL_VIEW_LODS - 1; law++)
+      largest = fmax(largest, change_dn(view, view->entities[i].lods, (size_t)law));
   return largest;
 }
 

@@ -6,8 +6,8 @@
 #include <stddef.h>
 
 static const char *absent(const pl_view *view) {
-  for (size_t i = 0; i < view->thing_count; i++)
-    if (view->things[i].textured)
+  for (size_t i = 0; i < view->entity_count; i++)
+    if (view->entities[i].textured)
       return NULL;
   return "nothing in the scene has a map";
 }
@@ -15,15 +15,16 @@ static const char *absent(const pl_view *view) {
 /* Bound of the change of an object in the frame: up to the brightest diffuse radiance. On a mesh or
  * in a graph, a roughness map can turn a rough surface into a mirror that shows the sun, an
  * emission map can turn a dark one into a light source. */
-static double own_radiance(const pl_view *view, const pl_view_thing *thing) {
-  const double diffuse = thing->albedo_max * thing->irradiance / 3.14159265358979;
-  return thing->is_body && !thing->graphed && !thing->ocean ? diffuse + thing->lights_max
-                                                            : fmax(diffuse, view->white_radiance);
+static double own_radiance(const pl_view *view, const pl_view_entity *entity) {
+  const double diffuse = entity->albedo_max * entity->irradiance / 3.14159265358979;
+  return entity->is_body && !entity->graphed && !entity->ocean
+             ? diffuse + entity->lights_max
+             : fmax(diffuse, view->white_radiance);
 }
 
 /* Otherwise a map acts through the light that its object reflects or emits onto objects in the
  * frame. */
-static double mapped_light(const pl_view_thing *source, const void *context) {
+static double mapped_light(const pl_view_entity *source, const void *context) {
   (void)context;
   return source->textured ? pl_view_light(source) : 0.0;
 }
@@ -34,13 +35,13 @@ static double bound_dn(const pl_view *view, int value) {
     return 0.0;
   const double series = pl_view_series(view, view->max_bounces);
   pl_view_weigh(view, mapped_light, NULL);
-  for (size_t i = 0; i < view->thing_count && radiance < view->white_radiance; i++) {
-    const pl_view_thing *thing = &view->things[i];
-    if (!thing->in_frame)
+  for (size_t i = 0; i < view->entity_count && radiance < view->white_radiance; i++) {
+    const pl_view_entity *entity = &view->entities[i];
+    if (!entity->in_frame)
       continue;
-    if (thing->textured)
-      radiance = fmax(radiance, own_radiance(view, thing));
-    radiance = fmax(radiance, pl_view_sum(view, thing, mapped_light, NULL) * series);
+    if (entity->textured)
+      radiance = fmax(radiance, own_radiance(view, entity));
+    radiance = fmax(radiance, pl_view_sum(view, entity, mapped_light, NULL) * series);
   }
   return pl_view_dn(view, radiance);
 }

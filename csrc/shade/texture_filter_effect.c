@@ -9,13 +9,13 @@
  * and of pixels with analytic shading, which are sampled in quarters. */
 static const double MARGIN = 0.249;
 
-static bool is_pictured(const pl_view_thing *thing) {
-  return thing->pictured || (thing->map_ranges != NULL && thing->map_ranges[0] > 0.0f);
+static bool is_pictured(const pl_view_entity *entity) {
+  return entity->pictured || (entity->map_ranges != NULL && entity->map_ranges[0] > 0.0f);
 }
 
 static const char *absent(const pl_view *view) {
-  for (size_t i = 0; i < view->thing_count; i++)
-    if (is_pictured(&view->things[i]))
+  for (size_t i = 0; i < view->entity_count; i++)
+    if (is_pictured(&view->entities[i]))
       return NULL;
   return "all textures in the scene are uniform";
 }
@@ -25,23 +25,23 @@ static int ceiling(const pl_view *view) { return view->texture_filter; }
 /* Minimum number of texels across a footprint's shorter axis. Along a path the footprint is at
  * least as wide as the path length times the spread of the first ray, and a path is no shorter than
  * the straight line from the camera. */
-static double texels(const pl_view *view, const pl_view_thing *thing) {
+static double texels(const pl_view *view, const pl_view_entity *entity) {
   const double spread = view->pixel_rad / sqrt(fmax(1.0, view->samples));
-  const double nearest = fmax(0.0, thing->distance_m - thing->radius_m);
-  return MARGIN * spread * nearest * thing->map_texels_per_m;
+  const double nearest = fmax(0.0, entity->distance_m - entity->radius_m);
+  return MARGIN * spread * nearest * entity->map_texels_per_m;
 }
 
 /* Upper bound of the change of an object's colour by the filter `value`, 0..1: filters average
  * texels of the mip level of the footprint's shorter axis, or of coarser ones. */
-static double change(const pl_view *view, const pl_view_thing *thing, int value) {
-  if (!is_pictured(thing))
+static double change(const pl_view *view, const pl_view_entity *entity, int value) {
+  if (!is_pictured(entity))
     return 0.0;
-  if (thing->pictured || thing->map_ranges == NULL)
+  if (entity->pictured || entity->map_ranges == NULL)
     return 1.0;
-  const double across = texels(view, thing);
+  const double across = texels(view, entity);
   int level = value > PL_FILTER_NONE && across > 1.0 ? (int)log2(across) : 0;
-  level = level < thing->map_levels ? level : thing->map_levels - 1;
-  return (double)thing->map_ranges[level];
+  level = level < entity->map_levels ? level : entity->map_levels - 1;
+  return (double)entity->map_ranges[level];
 }
 
 typedef struct filtered {
@@ -49,14 +49,14 @@ typedef struct filtered {
   int value;
 } filtered;
 
-static double changed_light(const pl_view_thing *source, const void *context) {
+static double changed_light(const pl_view_entity *source, const void *context) {
   const filtered *query = context;
   return change(query->view, source, query->value) * pl_view_light(source);
 }
 
-/* Upper bound of the indirect light from other objects onto things[i]. */
+/* Upper bound of the indirect light from other objects onto entities[i]. */
 static double indirect(const pl_view *view, size_t i, const filtered *query) {
-  return pl_view_sum(view, &view->things[i], changed_light, query) *
+  return pl_view_sum(view, &view->entities[i], changed_light, query) *
          pl_view_series(view, view->max_bounces);
 }
 
@@ -69,15 +69,15 @@ static double bound_dn(const pl_view *view, int value) {
     return 0.0;
   const filtered query = {view, value};
   pl_view_weigh(view, changed_light, &query);
-  for (size_t i = 0; i < view->thing_count && radiance < view->white_radiance; i++) {
-    const pl_view_thing *thing = &view->things[i];
-    const double own = change(view, thing, value);
-    if (!thing->in_frame)
+  for (size_t i = 0; i < view->entity_count && radiance < view->white_radiance; i++) {
+    const pl_view_entity *entity = &view->entities[i];
+    const double own = change(view, entity, value);
+    if (!entity->in_frame)
       continue;
-    if (own > 0.0 && !(thing->is_body && thing->diffuse && !thing->graphed))
+    if (own > 0.0 && !(entity->is_body && entity->diffuse && !entity->graphed))
       return pl_view_dn(view, view->white_radiance);
-    const double lit = thing->albedo_max * thing->irradiance / 3.14159265358979 +
-                       thing->lights_max +
+    const double lit = entity->albedo_max * entity->irradiance / 3.14159265358979 +
+                       entity->lights_max +
                        pl_view_received(view, i) * pl_view_series(view, view->max_bounces);
     radiance = fmax(radiance, own * lit + indirect(view, i, &query));
   }

@@ -113,7 +113,7 @@ static double pattern_at(const fresh *of, double u, double v) {
   return (halo + (1.0 - halo) * fmin(rays, 1.0)) * rim * rim * (3.0 - 2.0 * rim);
 }
 
-static double shine_at(const fresh *of, pl_vec3 direction) {
+static double ray_brightness_at(const fresh *of, pl_vec3 direction) {
   const pl_vec3 to = pl_vec3_sub(direction, of->direction);
   const double chord2 = pl_vec3_dot(to, to);
   if (chord2 >= of->chord2)
@@ -123,16 +123,16 @@ static double shine_at(const fresh *of, pl_vec3 direction) {
   const double scale = flat > 0.0 ? angle / (flat * of->radius) : 0.0;
   u *= scale;
   v *= scale;
-  double shine = of->light * pattern_at(of, u, v);
-  if (!(shine > 1e-4))
-    return shine;
+  double ray_brightness = of->light * pattern_at(of, u, v);
+  if (!(ray_brightness > 1e-4))
+    return ray_brightness;
   double noise = 0.0;
   for (int k = 0; k < 2; k++)
     if (of->fade[k] > 0.0f)
       noise += (double)(of->fade[k] * pl_noise((pl_vec3){GRAIN[k] * u, GRAIN[k] * v, 0.37},
                                                of->pattern + (uint32_t)k));
   const double x2 = u * u + v * v; /* walls are even */
-  return shine * fmax(1.0 + UNEVEN * noise * x2 / (1.0 + x2), 0.0);
+  return ray_brightness * fmax(1.0 + UNEVEN * noise * x2 / (1.0 + x2), 0.0);
 }
 
 /* --- the mean --------------------------------------------------------------------------------- */
@@ -281,7 +281,7 @@ static void sum_at(const gathered *all, const pl_crater_model *model, const doub
   for (size_t k = 0; k < count; k++) {
     double sum = 0.0, most_m = frame->max_m;
     for (size_t n = 0; n < all->count; n++)
-      sum += shine_at(&all->list[n], directions[k]) *
+      sum += ray_brightness_at(&all->list[n], directions[k]) *
              pl_crater_left(all->field, model, directions[k], all->list[n].diameter_m);
     if (model != NULL)
       most_m = fmin(most_m, frame->model_posts * model->spacing_m(model->context, directions[k]));

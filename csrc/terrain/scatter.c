@@ -91,17 +91,17 @@ bool pl_scatter_find(const pl_scatter *scatter, uint64_t id, pl_scatter_site *ou
   return n < pl_scatter_count(scatter, &cell) && pl_scatter_draw(scatter, &cell, n, NULL, out);
 }
 
-pl_status pl_scatter_check(const char *things, double radius_m, double min_m, double max_m) {
+pl_status pl_scatter_check(const char *noun, double radius_m, double min_m, double max_m) {
   const double least = PL_SCATTER_MIN_OF_RADIUS * radius_m;
   const double most = PL_SCATTER_MAX_OF_RADIUS * radius_m;
   if (!(radius_m > 0.0 && isfinite(radius_m)))
-    return pl_fail(PL_E_RANGE, "%s on a body of radius %g m; must be above 0", things, radius_m);
+    return pl_fail(PL_E_RANGE, "%s on a body of radius %g m; must be above 0", noun, radius_m);
   if (min_m >= least && max_m > min_m && max_m <= most)
     return PL_OK;
   return pl_fail(PL_E_RANGE,
                  "%s of %g to %g m; on a body of radius %g m they must be of %.3g to %.6g m, the "
                  "least below the greatest",
-                 things, min_m, max_m, radius_m, least, most);
+                 noun, min_m, max_m, radius_m, least, most);
 }
 
 bool pl_scatter_sizes(int level, double radius_m, double min_m, double max_m, double *low_m,

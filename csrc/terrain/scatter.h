@@ -24,7 +24,7 @@ enum { PL_SCATTER_LEVELS = 26, PL_SCATTER_CELL_MOST = 1023 };
 typedef struct pl_scatter_octave {
   double low_m, high_m;
   double width;         /* of a cell in s and t */
-  const double *shares; /* shares[k]: probability of k things or fewer in a cell */
+  const double *shares; /* shares[k]: probability of k items or fewer in a cell */
   size_t count;         /* of shares */
 } pl_scatter_octave;
 
@@ -38,8 +38,8 @@ typedef struct pl_scatter {
 } pl_scatter;
 
 /* PL_E_RANGE unless the diameters are within the bounds above, on a body of a valid radius.
- * `things` names them in the error. */
-pl_status pl_scatter_check(const char *things, double radius_m, double min_m, double max_m);
+ * `noun` names them in the error. */
+pl_status pl_scatter_check(const char *noun, double radius_m, double min_m, double max_m);
 /* Diameters of an octave of a range of diameters; false if it has none. */
 bool pl_scatter_sizes(int level, double radius_m, double min_m, double max_m, double *low_m,
                       double *high_m);
@@ -74,14 +74,14 @@ typedef struct pl_scatter_window {
   double chord2; /* from the axis, squared */
 } pl_scatter_window;
 /* Draws candidate `n` of a cell. Returns false if there is nothing: candidates are thinned where
- * cells are smaller, so that things are uniform on the sphere. Also false for what is outside of a
+ * cells are smaller, so that items are uniform on the sphere. Also false for what is outside of a
  * window, which may be NULL. */
 bool pl_scatter_draw(const pl_scatter *scatter, const pl_scatter_cell *cell, uint64_t n,
                      const pl_scatter_window *window, pl_scatter_site *out);
-/* Finds the thing of an id; false if there is none. */
+/* Finds the item of an id; false if there is none. */
 bool pl_scatter_find(const pl_scatter *scatter, uint64_t id, pl_scatter_site *out);
 
-/* Random words of a thing for one of its purposes, from 2 on. */
+/* Random words of an item for one of its purposes, from 2 on. */
 void pl_scatter_words(const pl_scatter *scatter, uint64_t id, uint64_t purpose, uint64_t words[4]);
 
 #endif

@@ -5,10 +5,10 @@
 
 #include "base/memory.h"
 
-pl_status pl_size_points_check(const pl_size_points *points, const char *things, double min_m,
+pl_status pl_size_points_check(const pl_size_points *points, const char *noun, double min_m,
                                double max_m) {
   if (points->count < 2 || points->diameters_m == NULL || points->densities == NULL)
-    return pl_fail(PL_E_RANGE, "a table of %s needs 2 entries or more, not %zu", things,
+    return pl_fail(PL_E_RANGE, "a table of %s needs 2 entries or more, not %zu", noun,
                    points->count);
   for (size_t k = 0; k < points->count; k++) {
     const double d = points->diameters_m[k], n = points->densities[k];
@@ -17,22 +17,22 @@ pl_status pl_size_points_check(const pl_size_points *points, const char *things,
       return pl_fail(PL_E_RANGE,
                      "entry %zu of the table of %s: %g per m^2 of %g m or more; diameters must "
                      "rise from above 0, densities must not rise and be 0 or more",
-                     k, things, n, d);
+                     k, noun, n, d);
   }
   const double first = points->diameters_m[0], last = points->diameters_m[points->count - 1];
   if (min_m < first || max_m > last)
-    return pl_fail(PL_E_RANGE, "%s of %g to %g m; the table of %s has %g to %g m", things, min_m,
-                   max_m, things, first, last);
+    return pl_fail(PL_E_RANGE, "%s of %g to %g m; the table of %s has %g to %g m", noun, min_m,
+                   max_m, noun, first, last);
   return PL_OK;
 }
 
-pl_status pl_size_power_check(const char *things, double coefficient, double exponent) {
+pl_status pl_size_power_check(const char *noun, double coefficient, double exponent) {
   if (coefficient >= 0.0 && isfinite(coefficient) && exponent <= 0.0 && isfinite(exponent))
     return PL_OK;
   return pl_fail(PL_E_RANGE,
                  "power law of %s %g D^%g; the coefficient must be 0 or more, the exponent 0 or "
                  "less",
-                 things, coefficient, exponent);
+                 noun, coefficient, exponent);
 }
 
 double pl_size_points_density(const pl_size_points *points, double diameter_m) {

@@ -4,7 +4,7 @@
 
 #include "base/status.h"
 
-/* Number of things of diameter_m or more, per square metre; finite, not negative, and not growing
+/* Number of items of diameter_m or more, per square metre; finite, not negative, and not growing
  * with the diameter. */
 typedef double (*pl_size_density_fn)(const void *law, double diameter_m);
 
@@ -18,10 +18,10 @@ pl_status pl_size_table_create(pl_size_density_fn density, const void *law, doub
                                double max_m, pl_size_table **out);
 void pl_size_table_destroy(pl_size_table *table);
 
-/* Density of things of diameter_m or more (per m^2); beyond the ends, the value there. */
+/* Density of items of diameter_m or more (per m^2); beyond the ends, the value there. */
 double pl_size_table_density(const pl_size_table *table, double diameter_m);
 
-/* Diameter between two (m) at which the share `u`, in [0, 1), of the things between them is
+/* Diameter between two (m) at which the share `u`, in [0, 1), of the items between them is
  * smaller: the law's quantile. */
 double pl_size_table_draw(const pl_size_table *table, double low_m, double high_m, double u);
 

@@ -6,9 +6,9 @@
 #include "plan/effects.h"
 
 /* Whether the mesh of a body may be finer than a level. */
-static bool has_terrain(const pl_view_thing *thing, int level) { return thing->terrain > level; }
-static bool has_ground(const pl_view_thing *thing, int value) {
-  return value == 0 && thing->terrain > 0;
+static bool has_terrain(const pl_view_entity *entity, int level) { return entity->terrain > level; }
+static bool has_ground(const pl_view_entity *entity, int value) {
+  return value == 0 && entity->terrain > 0;
 }
 
 static const char *terrain_absent(const pl_view *view) {
@@ -17,8 +17,8 @@ static const char *terrain_absent(const pl_view *view) {
 
 static int finest_level(const pl_view *view) {
   int most = 1;
-  for (size_t i = 0; i < view->thing_count; i++)
-    most = view->things[i].terrain > most ? view->things[i].terrain : most;
+  for (size_t i = 0; i < view->entity_count; i++)
+    most = view->entities[i].terrain > most ? view->entities[i].terrain : most;
   return most;
 }
 
@@ -76,7 +76,7 @@ const pl_effect pl_effect_sub_cell_normals = {
     .cost_ms = normals_cost_ms,
 };
 
-static bool has_rays(const pl_view_thing *thing, int value) { return value == 0 && thing->rays; }
+static bool has_rays(const pl_view_entity *entity, int value) { return value == 0 && entity->rays; }
 
 static const char *rays_absent(const pl_view *view) {
   return pl_view_has(view, has_rays) ? NULL : "no terrain in the scene has rays of craters";

@@ -219,7 +219,7 @@ class Simulation(RangeSensors, Costed):
         """(T,): how much alpha leaves of each triangle of a spacecraft's model, over all frames.
 
         0: nothing, 1: perhaps a part, 2: all of it."""
-        return self._mine().looks.presence(name)
+        return self._mine().assignments.presence(name)
 
     def moving_nodes(self, names: Sequence[str]) -> list[tuple[str, ...]]:
         """For each part of a model, the nodes above it that move on any of the given spacecraft,

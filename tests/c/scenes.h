@@ -1,4 +1,4 @@
-/* Scenes of a few things with their placement, built in memory. */
+/* Scenes of a few entities with their placement, built in memory. */
 #ifndef PL_TESTS_SCENES_H
 #define PL_TESTS_SCENES_H
 

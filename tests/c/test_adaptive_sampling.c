@@ -15,7 +15,7 @@ typedef struct picture {
   float radiance[3 * PIXELS];
 } picture;
 
-/* A sphere with its terminator, and a glossy thing before it that the sun and the sphere light. */
+/* A sphere with its terminator, and a glossy entity before it that the sun and the sphere light. */
 static void shoot(const pl_model *model, double scale, int samples, double tolerance_dn,
                   uint64_t index, picture *out) {
   stage s;

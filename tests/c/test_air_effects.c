@@ -11,7 +11,7 @@ enum { SAMPLES = 8, SCENES = PL_DRAWS(18, 4) };
 
 static const double AU = 149597870700.0;
 
-/* A world in the view, from its air or from far; perhaps a second one, and a thing in space. */
+/* A world in the view, from its air or from far; perhaps a second one, and an entity in space. */
 static void build(stage *s, const pl_model *model, pl_air *airs[2], test_random *random) {
   stage_init(s, WIDTH, HEIGHT, random_scale(random, 15.0, 60.0));
   s->placement.sun.position_m = pl_vec3_scale(random_direction(random), AU);
@@ -47,7 +47,7 @@ static void describe(const stage *s, const pl_plan *plan) {
 
 /* Of the rows that were not forced to the same. */
 static double allowance(const pl_plan *plan, uint64_t same, double tolerance_dn) {
-  double sum = 3.0 * tolerance_dn; /* culling, for each thing */
+  double sum = 3.0 * tolerance_dn; /* culling, for each entity */
   for (size_t i = 0; i < plan->count; i++)
     if ((same >> i & 1u) == 0)
       sum += left_out_dn(&plan->rows[i]);

@@ -59,13 +59,13 @@ static float value_of(const fixture *f, const char *name, const pl_vertex *verte
 }
 
 /* A vertex of an object or body at a point given in its own frame, metres. */
-static pl_vertex vertex_at(const fixture *f, uint32_t thing, pl_vec3 local, pl_vec3 *root) {
+static pl_vertex vertex_at(const fixture *f, uint32_t entity, pl_vec3 local, pl_vec3 *root) {
   const pl_pose pose =
-      thing == 0 ? f->stage.objects[0].motion.open : f->stage.bodies[thing - 1].motion.open;
+      entity == 0 ? f->stage.objects[0].motion.open : f->stage.bodies[entity - 1].motion.open;
   *root = pl_pose_apply(pose, local);
   const pl_vec3 p = pl_vec3_sub(*root, f->stage.placement.camera.motion.open.t);
   pl_vertex vertex = {.position = p, .t = pl_vec3_norm(p), .triangle = 3};
-  vertex.surface_id = thing == 0 ? f->shot.objects[0].id : pl_surface_of_body(thing - 1);
+  vertex.surface_id = entity == 0 ? f->shot.objects[0].id : pl_surface_of_body(entity - 1);
   vertex.surface.n = pl_vec3_to_float(pl_vec3_unit(pl_vec3_scale(p, -1.0)));
   vertex.surface.ng = pl_vec3_to_float(pl_vec3_unit((pl_vec3){-p.y, p.x, -p.z}));
   return vertex;
@@ -83,11 +83,11 @@ static void test_geometry(void **state) {
   for (int i = 0; i < 50; i++) {
     fixture f;
     fixture_init(&f, &random);
-    for (uint32_t thing = 0; thing < 2; thing++) {
-      const double size = thing == 0 ? 1.5 : 5e6;
+    for (uint32_t entity = 0; entity < 2; entity++) {
+      const double size = entity == 0 ? 1.5 : 5e6;
       const pl_vec3 local = pl_vec3_scale(random_direction(&random), size);
       pl_vec3 root;
-      const pl_vertex vertex = vertex_at(&f, thing, local, &root);
+      const pl_vertex vertex = vertex_at(&f, entity, local, &root);
       const pl_pose camera = f.stage.placement.camera.motion.open;
       const pl_vec3 p =
           pl_quat_rotate_inverse(camera.q, pl_vec3_sub(root, camera.t)); /* OpenCV axes */
@@ -143,18 +143,18 @@ static void test_ids(void **state) {
   test_random random = {.seed = 63};
   fixture f;
   fixture_init(&f, &random);
-  for (uint32_t thing = 0; thing < 2; thing++) {
+  for (uint32_t entity = 0; entity < 2; entity++) {
     pl_vec3 root;
-    const pl_vertex vertex = vertex_at(&f, thing, (pl_vec3){1, 0, 0}, &root);
+    const pl_vertex vertex = vertex_at(&f, entity, (pl_vec3){1, 0, 0}, &root);
     int32_t part, instance;
     uint16_t classes[2];
     write_pixel(&f, "part", &vertex, &part);
     write_pixel(&f, "instance", &vertex, &instance);
     write_pixel(&f, "semantic", &vertex, classes);
-    assert_int_equal(part, thing + 1);
-    assert_int_equal(instance, thing + 1);
-    assert_int_equal(classes[0], 101 + thing);
-    assert_int_equal(classes[1], 201 + thing);
+    assert_int_equal(part, entity + 1);
+    assert_int_equal(instance, entity + 1);
+    assert_int_equal(classes[0], 101 + entity);
+    assert_int_equal(classes[1], 201 + entity);
   }
   fixture_clear(&f);
 }
@@ -191,14 +191,14 @@ enum { WIDTH = 80, FROM = 5, COUNT = 71, BYTES_MAX = 24 };
 static void fill_row(const fixture *f, test_random *random, pl_vertex *points) {
   size_t x = 0;
   for (size_t run = 1; x < COUNT; run = run == 1 ? 40 : run / 2 + 1) {
-    const uint32_t thing = (uint32_t)(random_unit(random) * 3.0);
+    const uint32_t entity = (uint32_t)(random_unit(random) * 3.0);
     for (size_t i = 0; i < run && x < COUNT; i++, x++) {
       pl_vec3 root;
-      const pl_vec3 local = pl_vec3_scale(random_direction(random), thing == 0 ? 1.0 : 5e6);
-      points[x] = vertex_at(f, thing < 2 ? thing : 0, local, &root);
+      const pl_vec3 local = pl_vec3_scale(random_direction(random), entity == 0 ? 1.0 : 5e6);
+      points[x] = vertex_at(f, entity < 2 ? entity : 0, local, &root);
       points[x].triangle = (uint32_t)x % 12;
       points[x].surface.n = pl_vec3_to_float(random_direction(random));
-      if (thing == 2)
+      if (entity == 2)
         points[x].surface_id = PL_NO_SURFACE;
     }
   }

@@ -13,7 +13,7 @@ enum { SAMPLES = 8, SCENES = PL_DRAWS(12, 3) };
 static const double AU = 149597870700.0;
 
 /* A world with clouds in the view or behind the camera, near or far, perhaps with air, by a ground
- * that is less bright; perhaps a thing in space before it. */
+ * that is less bright; perhaps an entity in space before it. */
 static void build(stage *s, const pl_model *model, pl_air **air, test_random *random) {
   stage_init(s, WIDTH, HEIGHT, random_scale(random, 15.0, 60.0));
   s->placement.sun.position_m = pl_vec3_scale(random_direction(random), AU);
@@ -40,7 +40,7 @@ static void build(stage *s, const pl_model *model, pl_air **air, test_random *ra
 
 /* Of the rows that were not forced to the same. */
 static double allowance(const pl_plan *plan, uint64_t same, double tolerance_dn) {
-  double sum = 3.0 * tolerance_dn; /* culling, for each thing */
+  double sum = 3.0 * tolerance_dn; /* culling, for each entity */
   for (size_t i = 0; i < plan->count; i++)
     if ((same >> i & 1u) == 0)
       sum += left_out_dn(&plan->rows[i]);

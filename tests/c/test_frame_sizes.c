@@ -1,5 +1,5 @@
-/* Frames of odd sizes, from a pixel on, of few things and none: light is finite, and the same bits
- * by any number of threads. */
+/* Frames of odd sizes, from a pixel on, of few entities and none: light is finite, and the same
+ * bits by any number of threads. */
 #include "frame/frame.h"
 
 #include "frames.h"

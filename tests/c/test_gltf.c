@@ -280,7 +280,7 @@ static void what_cannot_be_rendered_is_named(void **state) {
       ",\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":1},"
       "{\"attributes\":{\"POSITION\":0},\"mode\":0},{\"attributes\":{\"POSITION\":0},\"mode\":3},"
       "{\"attributes\":{\"TEXCOORD_0\":2}}]}],\"nodes\":[{\"mesh\":0}],\"cameras\":[{}],"
-      "\"animations\":[{}],\"skins\":[{}],\"extensionsUsed\":[\"VENDOR_thing\"]}");
+      "\"animations\":[{}],\"skins\":[{}],\"extensionsUsed\":[\"VENDOR_entity\"]}");
   assert_int_equal(model->part_count, 1);
   warned(model, "1 primitives of points");
   warned(model, "1 primitives of lines");
@@ -288,7 +288,7 @@ static void what_cannot_be_rendered_is_named(void **state) {
   warned(model, "cameras");
   warned(model, "animations");
   warned(model, "skins");
-  warned(model, "VENDOR_thing");
+  warned(model, "VENDOR_entity");
   pl_model_destroy(model);
 }
 

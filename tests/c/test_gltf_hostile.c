@@ -187,7 +187,7 @@ static void few_bytes_cannot_become_many_triangles(void **state) {
 
 static void extensions_are_refused_by_name(void **state) {
   (void)state;
-  const char *const names[] = {"KHR_texture_basisu", "VENDOR_thing"};
+  const char *const names[] = {"KHR_texture_basisu", "VENDOR_entity"};
   for (size_t k = 0; k < sizeof names / sizeof names[0]; k++) {
     char list[200];
     snprintf(list, sizeof list, "\"extensionsRequired\":[\"%s\"],\"nodes\"", names[k]);

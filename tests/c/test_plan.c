@@ -130,8 +130,8 @@ static void test_dn_is_an_upper_bound(void **state) {
   assert_true(pl_view_dn(&view, NAN) == 0.0);
 }
 
-static pl_view_thing sphere(pl_vec3 center, double radius) {
-  return (pl_view_thing){.center_m = {center.x, center.y, center.z}, .radius_m = radius};
+static pl_view_entity sphere(pl_vec3 center, double radius) {
+  return (pl_view_entity){.center_m = {center.x, center.y, center.z}, .radius_m = radius};
 }
 
 /* Whether the segment from p to s passes the sphere. */
@@ -162,7 +162,7 @@ static void test_shadow_reaches_never_misses(void **state) {
     const pl_view view = {.sun_radius_rad = asin(sun_radius / sun_distance),
                           .sun_radius_m = sun_radius,
                           .sun_position_m = {sun.x, sun.y, sun.z}};
-    const pl_view_thing from = sphere(caster, size), to = sphere(receiver, receiver_size);
+    const pl_view_entity from = sphere(caster, size), to = sphere(receiver, receiver_size);
     const bool reaches = pl_view_shadow_reaches(&view, &from, &to);
     bool hidden = false;
     for (int k = 0; k < 200 && !hidden; k++) {
@@ -190,9 +190,9 @@ static void test_shadow_of_a_far_moon(void **state) {
                         .sun_position_m = {distance, 0, 0}};
   const pl_vec3 caster = {0, 1.88e9, 0};
   const pl_vec3 away = pl_vec3_unit(pl_vec3_sub(caster, (pl_vec3){distance, 0, 0}));
-  const pl_view_thing planet = sphere(caster, 1e6);
-  const pl_view_thing behind = sphere(pl_vec3_madd(caster, 1e9, away), 1e3);
-  const pl_view_thing before = sphere(pl_vec3_madd(caster, -1e9, away), 1e3);
+  const pl_view_entity planet = sphere(caster, 1e6);
+  const pl_view_entity behind = sphere(pl_vec3_madd(caster, 1e9, away), 1e3);
+  const pl_view_entity before = sphere(pl_vec3_madd(caster, -1e9, away), 1e3);
   assert_true(pl_view_shadow_reaches(&view, &planet, &behind));
   assert_false(pl_view_shadow_reaches(&view, &planet, &before));
 }
@@ -200,14 +200,14 @@ static void test_shadow_of_a_far_moon(void **state) {
 /* The exact fraction of the sky of a plate facing a sphere is (radius/distance)^2. */
 static void test_view_factor(void **state) {
   (void)state;
-  const pl_view_thing source = sphere((pl_vec3){0, 0, 0}, 2.0);
+  const pl_view_entity source = sphere((pl_vec3){0, 0, 0}, 2.0);
   for (double d = 2.5; d < 1e6; d *= 1.7) {
-    const pl_view_thing plate = sphere((pl_vec3){d + 0.3, 0, 0}, 0.3);
+    const pl_view_entity plate = sphere((pl_vec3){d + 0.3, 0, 0}, 0.3);
     const double exact = 4.0 / (d * d); /* of the nearest point */
     assert_true(pl_view_factor(&plate, &source) >= exact * (1 - 1e-12));
     assert_true(pl_view_factor(&plate, &source) <= fmin(1.0, 1.01 * exact));
   }
-  const pl_view_thing touching = sphere((pl_vec3){2.1, 0, 0}, 0.3);
+  const pl_view_entity touching = sphere((pl_vec3){2.1, 0, 0}, 0.3);
   assert_true(pl_view_factor(&touching, &source) == 1.0);
 }
 
@@ -216,16 +216,16 @@ static void test_view_factor(void **state) {
 static void test_levels_of_terrain(void **state) {
   (void)state;
   const pl_effect *row[] = {&pl_effect_terrain};
-  pl_view_thing things[2];
+  pl_view_entity entities[2];
   for (int k = 0; k < 2; k++) {
-    things[k] = sphere((pl_vec3){0.0, k ? 1e9 : -1e9, 1e9}, 1e3);
-    things[k].in_frame = things[k].diffuse = true;
-    things[k].ggx_alpha_min = 1.0;
-    things[k].irradiance = 100.0;
-    things[k].terrain = k ? 12 : 25;
-    things[k].albedo_max = k ? 0.5 : 1e-4;
+    entities[k] = sphere((pl_vec3){0.0, k ? 1e9 : -1e9, 1e9}, 1e3);
+    entities[k].in_frame = entities[k].diffuse = true;
+    entities[k].ggx_alpha_min = 1.0;
+    entities[k].irradiance = 100.0;
+    entities[k].terrain = k ? 12 : 25;
+    entities[k].albedo_max = k ? 0.5 : 1e-4;
   }
-  pl_view view = {.white_radiance = 20.0, .things = things, .thing_count = 2};
+  pl_view view = {.white_radiance = 20.0, .entities = entities, .entity_count = 2};
   const pl_plan_wish wishes[] = {
       {.tolerance_dn = 0.0}, {.tolerance_dn = 1.0}, {.tolerance_dn = 255.0}};
   const int values[] = {25, 12, 0};

@@ -30,7 +30,7 @@ static pl_rings *make_rings(test_random *random, double radius_m, double depth) 
 }
 
 /* A world with rings, in the view or not, from near or far; a second one that they may shade or
- * hide, and perhaps a thing in space. */
+ * hide, and perhaps an entity in space. */
 static void build(stage *s, const pl_model *model, pl_rings **rings, test_random *random) {
   stage_init(s, WIDTH, HEIGHT, random_scale(random, 15.0, 60.0));
   s->placement.sun.position_m = pl_vec3_scale(random_direction(random), AU);
@@ -65,7 +65,7 @@ static void describe(const stage *s, const pl_plan *plan) {
 
 /* Of the rows that were not forced to the same. */
 static double allowance(const pl_plan *plan, uint64_t same, double tolerance_dn) {
-  double sum = 3.0 * tolerance_dn; /* culling, for each thing */
+  double sum = 3.0 * tolerance_dn; /* culling, for each entity */
   for (size_t i = 0; i < plan->count; i++)
     if ((same >> i & 1u) == 0)
       sum += left_out_dn(&plan->rows[i]);

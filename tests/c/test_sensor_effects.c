@@ -112,10 +112,10 @@ static pl_sensor random_sensor(test_random *random) {
   return s;
 }
 
-/* A scene of one thing, as bright as its view says at most, under any camera. */
+/* A scene of one entity, as bright as its view says at most, under any camera. */
 typedef struct scene {
   pl_sensor sensor;
-  pl_view_thing thing;
+  pl_view_entity entity;
   pl_view view;
   int width, height;
   double focal_px[2], centre_px[2];
@@ -140,13 +140,13 @@ static void scene_init(scene *s, test_random *random) {
   assert_int_equal(pl_sensor_check(&s->sensor), PL_OK);
   /* night, dim, and up to 1e4 times white */
   const double white = pl_sensor_white_electrons(&s->sensor) / pl_sensor_response_white(&s->sensor);
-  s->thing = (pl_view_thing){.is_body = true,
-                             .in_frame = true,
-                             .distance_m = 10.0,
-                             .radius_m = 1.0,
-                             .albedo_max = 0.02,
-                             .ggx_alpha_min = 1.0,
-                             .irradiance = white * random_or_none(random, 1e-2, 1e6)};
+  s->entity = (pl_view_entity){.is_body = true,
+                               .in_frame = true,
+                               .distance_m = 10.0,
+                               .radius_m = 1.0,
+                               .albedo_max = 0.02,
+                               .ggx_alpha_min = 1.0,
+                               .irradiance = white * random_or_none(random, 1e-2, 1e6)};
   const double u = fmax(s->centre_px[0], s->width - 1 - s->centre_px[0]) / s->focal_px[0];
   const double v = fmax(s->centre_px[1], s->height - 1 - s->centre_px[1]) / s->focal_px[1];
   s->view = (pl_view){.width = s->width,
@@ -157,8 +157,8 @@ static void scene_init(scene *s, test_random *random) {
                       .pixel_rad = 1.0 / fmax(s->focal_px[0], s->focal_px[1]),
                       .sun_axis_rad = random_range(random, 0.0, 2.0),
                       .sun_irradiance = white * random_or_none(random, 1e-6, 1e3),
-                      .things = &s->thing,
-                      .thing_count = 1,
+                      .entities = &s->entity,
+                      .entity_count = 1,
                       .sensor = &s->sensor};
   s->brightest = (float)pl_sensor_radiance_max(&s->view);
 }

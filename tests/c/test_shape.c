@@ -193,9 +193,9 @@ static void test_objects_come_first(void **state) {
   assert_true(shot.bodies[1].in_frame && !shot.bodies[0].in_frame && shot.objects[2].in_frame);
   pl_view view;
   assert_int_equal(pl_snapshot_view(&shot, &arena, &view), PL_OK);
-  assert_true(!view.things[2].is_body && view.things[2].albedo_max == 0.5);
-  assert_true(view.things[3].albedo_max == 0.0 && view.things[3].radius_m == 0.0);
-  assert_true(view.things[4].is_body);
+  assert_true(!view.entities[2].is_body && view.entities[2].albedo_max == 0.5);
+  assert_true(view.entities[3].albedo_max == 0.0 && view.entities[3].radius_m == 0.0);
+  assert_true(view.entities[4].is_body);
   stage_clear(&s);
   pl_arena_clear(&arena);
   pl_model_destroy(cube);

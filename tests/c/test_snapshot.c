@@ -49,7 +49,7 @@ static void test_rebasing_is_exact(void **state) {
       assert_true(fabs((double)shot.objects[0].to_view[9 + k] - floats[k]) <=
                   0x1p-24 * fabs(floats[k]));
     assert_true(shot.objects[0].to_view[0] == 2.0f && shot.objects[0].to_view[8] == 2.0f);
-    assert_true(fabs(view.things[0].distance_m - pl_vec3_norm(offset)) < 1e-9);
+    assert_true(fabs(view.entities[0].distance_m - pl_vec3_norm(offset)) < 1e-9);
     stage_clear(&s);
   }
   pl_arena_clear(&arena);
@@ -110,7 +110,7 @@ static void test_in_frame_is_conservative(void **state) {
     seen += hit;
     claimed += shot.bodies[0].in_frame;
     assert_true(!hit || shot.bodies[0].in_frame);
-    assert_int_equal(view.things[0].in_frame, shot.bodies[0].in_frame);
+    assert_int_equal(view.entities[0].in_frame, shot.bodies[0].in_frame);
     stage_clear(&s);
   }
   print_message("seen %d, claimed %d of 3000\n", seen, claimed);

@@ -167,24 +167,24 @@ static void test_glow_on_a_body(void **state) {
   stage_clear(&s);
 }
 
-/* Out of the frame, and with its shadow on no thing: it matters where it may shade rings. */
+/* Out of the frame, and with its shadow on no entity: it matters where it may shade rings. */
 static void test_shadow_on_rings(void **state) {
   (void)state;
   const pl_effect *row = pl_effects[pl_effect_find("volumes")];
-  pl_view_thing body = {.is_body = true,
-                        .in_frame = true,
-                        .center_m = {0, 0, 100},
-                        .distance_m = 100,
-                        .radius_m = 1,
-                        .albedo_max = 0.5,
-                        .irradiance = 1361.0};
+  pl_view_entity body = {.is_body = true,
+                         .in_frame = true,
+                         .center_m = {0, 0, 100},
+                         .distance_m = 100,
+                         .radius_m = 1,
+                         .albedo_max = 0.5,
+                         .irradiance = 1361.0};
   const pl_view_volume volume = {
       .center_m = {50, 0, 0}, .distance_m = 50, .radius_m = 1, .depth = 0.5, .scattered = 1.0};
   const pl_view view = {.white_radiance = 100.0,
                         .sun_position_m = {0, 0, -AU},
                         .sun_radius_m = 7e8,
-                        .things = &body,
-                        .thing_count = 1,
+                        .entities = &body,
+                        .entity_count = 1,
                         .volumes = &volume,
                         .volume_count = 1,
                         .volume_steps = 32,

@@ -84,5 +84,5 @@ def test_odd_names_of_materials(tmp_path: Path, name: str) -> None:
 
     model = changed_glb(tmp_path / "3 sat.glb", change)
     sim = perilune.open(SCENE, overrides={"spacecraft.sat.model": str(model)})
-    placed = sim._mine().looks.of(sim.config).crafts["sat"]
+    placed = sim._mine().assignments.of(sim.config).crafts["sat"]
     assert (placed.triangle_graph == 0).sum() > 0

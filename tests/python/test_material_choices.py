@@ -89,7 +89,7 @@ def test_the_scene_and_its_accelerators_stay() -> None:
     renderers = {id(handles.renderer_of(sim.config_at(index)[0])) for index in range(FRAMES)}
     assert len(renderers) == 1
     # What the scene has let go of is not kept: references to a graph do not grow.
-    cores = [graph.core for graph in handles.looks._graphs.values()]
+    cores = [graph.core for graph in handles.assignments._graphs.values()]
     before = [sys.getrefcount(core) for core in cores]
     for _ in range(5):
         for index in range(FRAMES):
@@ -103,16 +103,16 @@ def test_sets_of_patterns_do_not_pile_up() -> None:
     uses = [{"material": name, "use": "red"} for name in names]
     lists = [[a, b] for a in uses for b in uses if a != b]
     sim = opened(tree(materials={"choice": lists, "interval": 1}))
-    looks = sim._mine().looks
+    assignments = sim._mine().assignments
     assert len(lists) == 20
-    assert len(looks._triangles) == 16
+    assert len(assignments._triangles) == 16
     for _ in range(2):
         for index in range(30):
-            look = looks.of(sim.config_at(index)[0])
+            assignment = assignments.of(sim.config_at(index)[0])
             alone = opened(tree(materials=sim.config_at(index)[1]["spacecraft.sat.materials"]))
-            expected = alone._mine().looks.of(alone.config).crafts["sat"].triangle_graph
-            assert np.array_equal(look.crafts["sat"].triangle_graph, expected)
-            assert len(looks._triangles) <= 16
+            expected = alone._mine().assignments.of(alone.config).crafts["sat"].triangle_graph
+            assert np.array_equal(assignment.crafts["sat"].triangle_graph, expected)
+            assert len(assignments._triangles) <= 16
 
 
 def test_once_a_scene_and_at_intervals() -> None:

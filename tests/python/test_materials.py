@@ -46,7 +46,7 @@ def changed(node: str, **keys: Any) -> dict[str, Any]:
 
 def placed_on(sim: perilune.Simulation) -> Any:
     """The graphs of the spacecraft."""
-    return sim._mine().looks.of(sim.config).crafts["sat"]
+    return sim._mine().assignments.of(sim.config).crafts["sat"]
 
 
 def on_craft(sample: Any) -> Any:

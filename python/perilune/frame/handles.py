@@ -29,7 +29,7 @@ from perilune.frame import scene_labels
 from perilune.frame.hierarchy import Hierarchy
 from perilune.frame.keypoints import KeypointSet
 from perilune.frame.labels import Taxonomy, object_class, taxonomy, unmatched
-from perilune.frame.looks import Look, Looks
+from perilune.frame.material_assignments import MaterialAssignment, MaterialAssignments
 from perilune.frame.pool import Pool
 from perilune.frame.remarks import Remarks
 from perilune.frame.stage_key import StageKey, air_key
@@ -61,7 +61,7 @@ class _Stage:
 
     scene: _core.Scene
     renderer: _core.Renderer
-    look: Look = Look({}, {})  # noqa: RUF009 (immutable)
+    assignment: MaterialAssignment = MaterialAssignment({}, {})  # noqa: RUF009 (immutable)
 
 
 @dataclass(frozen=True)
@@ -311,10 +311,10 @@ class Handles:
         return self.hierarchy.table(groups, self.scales(config), moved)
 
     @cached_property
-    def looks(self) -> Looks:
+    def assignments(self) -> MaterialAssignments:
         """The material graphs of the configuration."""
         models = {name: row.model for name, row in self.models.items()}
-        return Looks(self.document, models, self.partitions)
+        return MaterialAssignments(self.document, models, self.partitions)
 
     @cached_property
     def taxonomy(self) -> Taxonomy:
@@ -492,28 +492,28 @@ class Handles:
             self.assets.stages[key] = self._stage(config)
         stage = self.assets.stages[key]
         try:
-            self._dress(stage, self.looks.of(config))
+            self._assign_materials(stage, self.assignments.of(config))
         except Exception:
             del self.assets.stages[key]  # its state is unknown
             raise
         return stage.renderer
 
-    def _dress(self, stage: _Stage, look: Look) -> None:
+    def _assign_materials(self, stage: _Stage, assignment: MaterialAssignment) -> None:
         """Puts the material graphs of a frame on a scene, unless they are there already."""
         for index, name in enumerate(self.models):
-            placed, there = look.crafts.get(name), stage.look.crafts.get(name)
+            placed, there = assignment.crafts.get(name), stage.assignment.crafts.get(name)
             if placed is not None and (there is None or not placed.is_like(there)):
                 cores = tuple(graph.core for graph in placed.graphs)
                 stage.scene.set_materials(index, cores, placed.triangle_graph)
             elif placed is None and there is not None:
-                stage.scene.set_materials(index, (), self.looks.bare(name))
+                stage.scene.set_materials(index, (), self.assignments.bare(name))
         for index, name in enumerate(self.document.config.bodies):
-            placed, there = look.bodies.get(name), stage.look.bodies.get(name)
+            placed, there = assignment.bodies.get(name), stage.assignment.bodies.get(name)
             if placed is not None and (there is None or not placed.is_like(there)):
                 stage.scene.set_body_graph(index, placed.graphs[0].core)
             elif placed is None and there is not None:
                 stage.scene.set_body_graph(index, None)
-        stage.look = look
+        stage.assignment = assignment
 
     def _stage(self, config: Config) -> _Stage:
         """A scene without material graphs."""

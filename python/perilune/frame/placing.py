@@ -50,5 +50,5 @@ def placed(
         keys,
         handles.document.path,
     )
-    request["graph_parameters"] = handles.looks.parameters(scene.config)
+    request["graph_parameters"] = handles.assignments.parameters(scene.config)
     return request

@@ -23,7 +23,7 @@ from tests.python.output.planted_table import (
 import perilune
 from perilune.export.check import check_bop
 from perilune.export.check.findings import Report
-from perilune.export.check.looks import LooksCheck
+from perilune.export.check.pictures import PictureCheck
 from perilune.export.writers import merge_bop
 
 
@@ -200,7 +200,7 @@ def test_pictures_of_other_images_are_told_without_a_configuration(good, tmp_pat
 
     def told():
         report = Report(root)
-        LooksCheck(report).scene(root / "test/000000")
+        PictureCheck(report).scene(root / "test/000000")
         return [(f.file[-10:], f.reason) for f in report.findings]
 
     assert told() == []

@@ -12,8 +12,8 @@ from pydantic import TypeAdapter
 
 from perilune.export.check.findings import Finding, Report
 from perilune.export.check.folder import check_folder
-from perilune.export.check.looks import LooksCheck
 from perilune.export.check.models import check_shapes
+from perilune.export.check.pictures import PictureCheck
 from perilune.export.check.records import Camera, Source, read_json
 from perilune.export.check.remake import compare_with_config
 from perilune.export.check.retrace import Tracer
@@ -124,9 +124,9 @@ def check_bop(
         _check_summary(report, source)
     where = None if base is None else Path(base)
     if alone or not compare_with_config(report, source, folders, rerender, where, step):
-        looks = LooksCheck(report)
+        pictures = PictureCheck(report)
         for path in folders:
-            looks.scene(path)
+            pictures.scene(path)
     return report
 
 

@@ -29,7 +29,7 @@ _PATTERNS = 16
 
 
 @dataclass(frozen=True)
-class Look:
+class MaterialAssignment:
     """The material graphs of a frame."""
 
     crafts: Mapping[str, Placed]
@@ -43,7 +43,7 @@ class Look:
         return [*self.crafts.items(), *self.bodies.items()]
 
 
-class Looks:
+class MaterialAssignments:
     """Makes the material assignments of a configuration. All options of choices are made and
     checked at the start."""
 
@@ -63,14 +63,14 @@ class Looks:
         self._hooked = {row.path[1] for row in document.drivers if materials.is_drawn(row)}
         self._drawn: dict[tuple[Any, ...], Graph] = {}
         self._triangles: dict[tuple[Any, ...], NDArray[np.int32]] = {}
-        self._last: Same[Look] = Same(2)
+        self._last: Same[MaterialAssignment] = Same(2)
         self._parameters: Same[NDArray[np.float64]] = Same(2)
-        self._ideal: Look | None = None
+        self._ideal: MaterialAssignment | None = None
         self._ideal = self.of(document.config)
         for config in document.choices(materials.is_choice):
             self.of(config)
 
-    def of(self, config: Config) -> Look:
+    def of(self, config: Config) -> MaterialAssignment:
         """The graphs of a frame; ConfigError for one that is missing or does not fit."""
         first = self._document.config
         same = config.spacecraft is first.spacecraft and config.bodies is first.bodies
@@ -90,16 +90,16 @@ class Looks:
 
     def parameters(self, config: Config) -> NDArray[np.float64]:
         """(n, 3): those of a frame's graphs, as the core's request takes them, read-only."""
-        look = self.of(config)
+        assignment = self.of(config)
 
         def make() -> NDArray[np.float64]:
-            found = materials.parameters(look.graphs, config)
+            found = materials.parameters(assignment.graphs, config)
             found.flags.writeable = False
             return found
 
-        return self._parameters.of((look, *_read(config)), make)
+        return self._parameters.of((assignment, *_read(config)), make)
 
-    def _made(self, config: Config) -> Look:
+    def _made(self, config: Config) -> MaterialAssignment:
         try:
             crafts = {
                 name: self._on_craft(name, config)
@@ -114,7 +114,7 @@ class Looks:
         except ValueError as error:
             text = named(str(error), self._document.origins)
             raise ConfigError(f"{self._document.source}:\n  {text}") from None
-        return Look(crafts, bodies)
+        return MaterialAssignment(crafts, bodies)
 
     def bare(self, craft: str) -> NDArray[np.int32]:
         """(T,) of -1: triangles without graphs."""

@@ -91,7 +91,7 @@ def _turned(steep: F32, outline: Mask) -> str | None:
     return None
 
 
-class LooksCheck:
+class PictureCheck:
     """Compares the pictures of a dataset, one scene after another."""
 
     def __init__(self, report: Report) -> None:
