@@ -23,7 +23,7 @@ import numpy as np
 import report
 
 import perilune
-from perilune.config.schema import TextureFilter
+from perilune.config.render import TextureFilter
 from perilune.materials import drivers
 from perilune.materials.graph import values
 

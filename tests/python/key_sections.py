@@ -17,9 +17,10 @@ from perilune.config.keypoints import Keypoints
 from perilune.config.orbit import Circular
 from perilune.config.photometry import Photometry
 from perilune.config.rings import Rings
-from perilune.config.schema import SiteSun, Spacecraft, Sun
 from perilune.config.shape import Shape
 from perilune.config.sky import Background, Sky, Stars
+from perilune.config.spacecraft import Spacecraft
+from perilune.config.sun import SiteSun, Sun
 from perilune.config.terrain import Detail, Terrain
 from perilune.config.types import Strict
 from perilune.config.volumes import BoxVolume, ConeVolume, EllipsoidVolume

@@ -13,8 +13,8 @@ import perilune
 from perilune import _core
 from perilune.base import rotations
 from perilune.config import ConfigError
-from perilune.config.schema import Sun
 from perilune.config.sky import Background
+from perilune.config.sun import Sun
 from perilune.document.loader import read_tree
 from perilune.sky import skies
 from perilune.sky.star_files import read_stars, temperature_k

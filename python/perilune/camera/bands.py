@@ -13,7 +13,8 @@ from perilune import _core
 from perilune.base import files, spectra
 from perilune.config.bands import UM_PER_UNIT, Band, Bands, Spectrum
 from perilune.config.camera import Camera
-from perilune.config.schema import SRGB_UM, Config, Sun
+from perilune.config.schema import Config
+from perilune.config.sun import SRGB_UM, Sun
 
 F64 = NDArray[np.float64]
 

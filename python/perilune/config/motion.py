@@ -12,7 +12,8 @@ from perilune.config.standing import check_datum
 
 if TYPE_CHECKING:
     from perilune.config.body import Body
-    from perilune.config.schema import Config, Spacecraft
+    from perilune.config.schema import Config
+    from perilune.config.spacecraft import Spacecraft
 
 
 def sections(config: Config) -> Mapping[str, tuple[str, Body | Spacecraft]]:

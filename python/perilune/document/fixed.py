@@ -7,7 +7,8 @@ from typing import Any
 
 from perilune.config.body import Body
 from perilune.config.camera import Camera
-from perilune.config.schema import Config, Spacecraft
+from perilune.config.schema import Config
+from perilune.config.spacecraft import Spacecraft
 
 
 def _orbit(thing: Body | Spacecraft) -> tuple[str, str] | None:

@@ -21,8 +21,10 @@ from perilune.config.body import Body
 from perilune.config.errors import ConfigError, origin
 from perilune.config.photometry import Photometry
 from perilune.config.rings import Rings
-from perilune.config.schema import Config, Spacecraft, Symmetries
+from perilune.config.schema import Config
 from perilune.config.shape import Shape
+from perilune.config.spacecraft import Spacecraft
+from perilune.config.symmetries import Symmetries
 from perilune.document.document import Document
 from perilune.document.fixed import fixed
 from perilune.frame import scene_labels

@@ -15,7 +15,8 @@ from perilune.config.areas import SURFACE
 from perilune.config.body import Body
 from perilune.config.errors import ConfigError, nearest
 from perilune.config.labels import GROUND, LEVELS, MATERIAL, ClassPatterns
-from perilune.config.schema import Config, Spacecraft
+from perilune.config.schema import Config
+from perilune.config.spacecraft import Spacecraft
 from perilune.frame.html import taxonomy_html
 from perilune.spacecraft.parts import PartEntry
 

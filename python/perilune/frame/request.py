@@ -22,7 +22,7 @@ from perilune.config import Config
 from perilune.config.camera import Exposure
 from perilune.config.errors import nearest
 from perilune.config.labels import GroundLabels
-from perilune.config.schema import Render, TextureFilter
+from perilune.config.render import Render, TextureFilter
 from perilune.document.references import MASKS, OBJECTS
 from perilune.frame.pool import Pool
 from perilune.frame.shutter import Keys

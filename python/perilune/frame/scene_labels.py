@@ -12,7 +12,7 @@ from perilune.bodies.areas import Areas, names_of, read_areas
 from perilune.config.body import Body
 from perilune.config.errors import ConfigError
 from perilune.config.labels import GROUND, CraterLabels
-from perilune.config.schema import Spacecraft
+from perilune.config.spacecraft import Spacecraft
 from perilune.config.types import Latitudes
 from perilune.document.document import Document
 from perilune.frame.labels import CRATER, ROCK, Taxonomy, ground_class, object_class

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perilune.base import rotations
-from perilune.config.schema import Config, SiteSun
+from perilune.config.schema import Config
+from perilune.config.sun import SiteSun
 from perilune.orbits import solar_system
 from perilune.orbits.almanac import almanac
 from perilune.orbits.ground import foot, north_of, spherical

@@ -16,7 +16,8 @@ from perilune.config.body import Body
 from perilune.config.errors import ConfigError
 from perilune.config.motion import sections
 from perilune.config.orbit import ON_GROUND, Hook
-from perilune.config.schema import Config, Spacecraft
+from perilune.config.schema import Config
+from perilune.config.spacecraft import Spacecraft
 from perilune.orbits import hooked, paths
 from perilune.orbits.almanac import almanac
 from perilune.orbits.motion import Kept, States, evaluate, propagator

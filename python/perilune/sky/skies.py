@@ -17,8 +17,9 @@ from perilune.bodies import maps
 from perilune.camera.bands import sun_curve
 from perilune.config.bands import Spectrum
 from perilune.config.errors import ConfigError
-from perilune.config.schema import Config, Sun
+from perilune.config.schema import Config
 from perilune.config.sky import Background, Stars
+from perilune.config.sun import Sun
 from perilune.orbits.almanac import almanac
 from perilune.orbits.motion import Kept
 from perilune.orbits.setting import ephemeris_name

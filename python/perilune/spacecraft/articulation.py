@@ -15,7 +15,7 @@ from perilune import _core
 from perilune.base import rotations
 from perilune.config.articulation import Animation, Joint
 from perilune.config.errors import ConfigError, nearest
-from perilune.config.schema import Spacecraft
+from perilune.config.spacecraft import Spacecraft
 from perilune.world import World
 
 F64 = NDArray[np.float64]

@@ -17,7 +17,7 @@ from perilune.camera.imaging import intrinsics
 from perilune.config.camera import Camera
 from perilune.config.errors import ConfigError
 from perilune.config.file_names import file_names
-from perilune.config.schema import Symmetries
+from perilune.config.symmetries import Symmetries
 from perilune.document.references import KEYPOINTS
 from perilune.drivers import Found, path_text
 from perilune.drivers.choice import KIND as CHOICE

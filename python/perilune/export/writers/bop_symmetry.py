@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from perilune.base import rotations
 from perilune.config.errors import ConfigError
-from perilune.config.schema import Symmetries
+from perilune.config.symmetries import Symmetries
 from perilune.export.writers.bop_models import BopModel, about_origin
 from perilune.export.writers.diameter import diameter
 
