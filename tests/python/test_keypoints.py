@@ -35,7 +35,7 @@ def scene(**camera: Any) -> dict[str, Any]:
         "size_m": 3.0,
         "orbit": {"around": "anchor", "position_km": at(6.0, 0.5)},
         "attitude": {"rotation_deg": [20.0, 30.0, 40.0], "spin_rate_deg_s": 10.0},
-        "keypoints": {"points": CORNERS | {"höhe": [0.0, 0.0, 9.0]}},
+        "keypoints": {"points": CORNERS | {"hook": [0.0, 0.0, 9.0], "höhe": [0.0, 0.0, 9.0]}},
     }
     made["camera"] |= camera
     return made
@@ -52,10 +52,10 @@ def test_places_beside_opencv(repo_dir: Path, lens: Any) -> None:
     sim = opened(scene(lens=lens), repo_dir)
     sample = sim.frame(2, ["keypoints", "instance"])
     rows = sample.keypoints
-    assert list(rows["name"]) == [*CORNERS, "höhe", "front", "Mare Émbrium", "back"]
-    assert list(rows["object"]) == ["sat"] * 9 + ["far"] * 3
+    assert list(rows["name"]) == [*CORNERS, "hook", "höhe", "front", "Mare Émbrium", "back"]
+    assert list(rows["object"]) == ["sat"] * 10 + ["far"] * 3
     assert set(rows["instance_id"]) == {2, 3}
-    sat = in_camera(sim, sample, "sat", [*CORNERS.values(), [0.0, 0.0, 9.0]])
+    sat = in_camera(sim, sample, "sat", [*CORNERS.values(), *[[0.0, 0.0, 9.0]] * 2])
     lon, lat = np.radians([[180.0, 170.0, 0.0], [0.0, 25.0, 10.0]])
     own = np.stack([np.cos(lat) * np.cos(lon), np.cos(lat) * np.sin(lon), np.sin(lat)], axis=1)
     expected = np.concatenate([sat, in_camera(sim, sample, "far", 6.0 * own)])

@@ -137,5 +137,6 @@ KIND = Kind(
     ("hook", "ideal", "clip_min", "clip_max", "params"),
     parse,
     correlates=False,
-    marks=lambda value: not isinstance(value, Mapping),
+    # What has the name `hook` may be a section, or a point.
+    marks=lambda value: not isinstance(value, (Mapping, list, tuple)),
 )
