@@ -43,7 +43,7 @@ static void write_pixel(const pl_flow *flow, pl_flow_to which, const pl_sight *s
   for (size_t k = 0; out != NULL && k < 2; k++)
     out[2 * at + k] = known ? (float)(pixel[k] - from[k]) : NAN;
   if (hidden != NULL)
-    hidden[at] = !known || !pl_pixel_in_image(&to->shot->camera, pixel) ||
+    hidden[at] = !known || !pl_pixel_in_image(&to->shot->rays.camera, pixel) ||
                  !pl_surface_is_none(pl_sight_hidden_by(to, s));
   if (moved == NULL)
     return;
@@ -58,7 +58,8 @@ void pl_flow_write(const pl_flow *flow, const pl_snapshot *shot, const pl_vertex
   for (int y = 0; y < tile[3]; y++)
     for (int x = 0; x < tile[2]; x++) {
       const double from[2] = {tile[0] + x, tile[1] + y};
-      const size_t at = (size_t)(tile[1] + y) * (size_t)shot->camera.width + (size_t)(tile[0] + x);
+      const size_t at =
+          (size_t)(tile[1] + y) * (size_t)shot->rays.camera.width + (size_t)(tile[0] + x);
       const pl_vertex *vertex = points != NULL ? &points[(size_t)y * stride + (size_t)x] : NULL;
       const bool hit = vertex != NULL && !pl_surface_is_none(vertex->surface_id);
       const pl_sight s = hit ? pl_sight_of(shot, vertex)

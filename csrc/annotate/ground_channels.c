@@ -98,7 +98,7 @@ void pl_find_craters(pl_label_run *run) {
     return;
   }
   const pl_shot_body *body = body_of(run);
-  const pl_camera *camera = &run->shot->camera;
+  const pl_camera *camera = &run->shot->rays.camera;
   const pl_crater_view view = {.eye = body->camera,
                                .pixel_rad = 1.0 / fmax(camera->fx, camera->fy),
                                .criteria = body->body->craters};

@@ -14,7 +14,7 @@ typedef struct window {
 } window;
 
 static const pl_ground_point *point_at(const pl_ground_map *map, int x, int y) {
-  const pl_camera *camera = &map->shot->camera;
+  const pl_camera *camera = &map->shot->rays.camera;
   const bool inside = x >= 0 && y >= 0 && x < camera->width && y < camera->height;
   return inside ? map->points + (size_t)y * (size_t)camera->width + (size_t)x : NULL;
 }
@@ -61,7 +61,7 @@ static float slope_of(const window *w) {
 }
 
 void pl_write_slope_sobel(const pl_ground_map *map, int y0, int y1) {
-  const int width = map->shot->camera.width;
+  const int width = map->shot->rays.camera.width;
   float *out = (float *)map->images[PL_GROUND_SLOPE_SOBEL] + (size_t)y0 * (size_t)width;
   for (int y = y0; y < y1; y++)
     for (int x = 0; x < width; x++) {
@@ -86,7 +86,7 @@ static float laplacian_of(const pl_ground_map *map, int x, int y) {
 }
 
 void pl_write_roughness_laplacian(const pl_ground_map *map, int y0, int y1) {
-  const int width = map->shot->camera.width;
+  const int width = map->shot->rays.camera.width;
   float *out = (float *)map->images[PL_GROUND_ROUGHNESS_LAPLACIAN] + (size_t)y0 * (size_t)width;
   for (int y = y0; y < y1; y++)
     for (int x = 0; x < width; x++)

@@ -61,7 +61,7 @@ pl_status pl_ground_map_check(pl_ground_map *map) {
 
 void pl_ground_map_take(const pl_ground_map *map, const pl_snapshot *shot, const pl_vertex *points,
                         size_t stride, const int tile[4]) {
-  const size_t width = (size_t)map->shot->camera.width;
+  const size_t width = (size_t)map->shot->rays.camera.width;
   for (int y = 0; y < tile[3]; y++) {
     const pl_vertex *from = points + (size_t)y * stride;
     pl_ground_point *to = map->points + (size_t)(tile[1] + y) * width + (size_t)tile[0];
@@ -84,7 +84,7 @@ static void gather(const pl_ground_map *map, const int square[4], int32_t body,
   out->terrain = body >= 0 ? map->shot->bodies[body].body->terrain : NULL;
   for (int y = square[1]; y < square[3]; y++)
     for (int x = square[0]; x < square[2]; x++) {
-      const size_t pixel = (size_t)y * (size_t)map->shot->camera.width + (size_t)x;
+      const size_t pixel = (size_t)y * (size_t)map->shot->rays.camera.width + (size_t)x;
       if (map->points[pixel].body != body)
         continue;
       if (out->terrain != NULL)
@@ -95,7 +95,7 @@ static void gather(const pl_ground_map *map, const int square[4], int32_t body,
 
 pl_status pl_ground_groups(const pl_ground_map *map, int y0, int y1, int worker,
                            pl_ground_group_fn visit) {
-  const int width = map->shot->camera.width;
+  const int width = map->shot->rays.camera.width;
   pl_ground_group group = {.map = map};
   if (map->memos != NULL)
     group.memos = map->memos + (size_t)worker * PL_ROCK_MEMOS;

@@ -62,7 +62,7 @@ void pl_keypoint_find(const pl_scene *scene, const pl_sight_frame *frame, const 
   out->position[2] = point.z;
   if (!imaged)
     out->xy[0] = out->xy[1] = NAN;
-  if (!imaged || !pl_pixel_in_image(&frame->shot->camera, out->xy))
+  if (!imaged || !pl_pixel_in_image(&frame->shot->rays.camera, out->xy))
     return;
   const pl_surface_id by = pl_sight_hidden_by(frame, &s);
   out->visible = pl_surface_is_none(by) ? PL_KEYPOINT_SEEN : PL_KEYPOINT_HIDDEN;

@@ -178,13 +178,13 @@ static bool body_hides(const pl_shot_body *body, const pl_shot_object *object,
 static bool is_whole(const pl_snapshot *shot, size_t index, const pl_outline *outlines) {
   const pl_rect r = outlines[index].rect;
   const bool inside =
-      r.x0 >= 0 && r.y0 >= 0 && r.x1 < shot->camera.width && r.y1 < shot->camera.height;
+      r.x0 >= 0 && r.y0 >= 0 && r.x1 < shot->rays.camera.width && r.y1 < shot->rays.camera.height;
   if (r.x0 > r.x1)
     return true;
   if (!inside || !shot->objects[index].in_frame)
     return false;
   for (size_t i = 0; i < shot->object_count; i++)
-    if (i != index && object_hides(&shot->camera, &outlines[i], &outlines[index]))
+    if (i != index && object_hides(&shot->rays.camera, &outlines[i], &outlines[index]))
       return false;
   for (size_t i = 0; i < shot->body_count; i++)
     if (body_hides(&shot->bodies[i], &shot->objects[index], &outlines[index]))
@@ -261,7 +261,8 @@ pl_outline pl_outline_of_parts(const pl_snapshot *shot, size_t index, const pl_o
   size_t next = 0;
   out.whole = false;
   if (all->pieces == NULL) {
-    enclose(&shot->camera, bound_parts(object->object, all->model, 0, parts, boxes), boxes, &out);
+    enclose(&shot->rays.camera, bound_parts(object->object, all->model, 0, parts, boxes), boxes,
+            &out);
     return out;
   }
   out.pieces = pieces;
@@ -271,7 +272,7 @@ pl_outline pl_outline_of_parts(const pl_snapshot *shot, size_t index, const pl_o
       continue;
     const size_t first = object->object->cut->first[k];
     pieces[next] = all->pieces[next];
-    enclose(&shot->camera,
+    enclose(&shot->rays.camera,
             bound_parts(object->object, pieces[next].model, first, parts, &boxes[next]),
             &boxes[next], &pieces[next]);
     widen(&out.rect, pieces[next].rect);
@@ -300,7 +301,7 @@ static size_t join_pieces(const pl_snapshot *shot, const pl_shot_object *object,
       continue;
     *piece = (pl_outline){.model = object->pieces[k].model};
     set_piece_axes(shot, &object->pieces[k], piece);
-    set_box(&shot->camera, piece);
+    set_box(&shot->rays.camera, piece);
     widen(&out->rect, piece->rect);
     out->z0_m = fmin(out->z0_m, piece->z0_m);
     out->z1_m = fmax(out->z1_m, piece->z1_m);
@@ -333,7 +334,7 @@ pl_outline pl_outline_of_body(const pl_snapshot *shot, const pl_shot_body *body)
   for (int k = 0; k < 3; k++)
     out.axes[k] = pl_vec3_scale(pl_mat3_transpose(m).row[k], size_m[k]);
   set_depths(low, high, &out);
-  out.rect = pl_outline_project(&out, &shot->camera, low, high);
+  out.rect = pl_outline_project(&out, &shot->rays.camera, low, high);
   return out;
 }
 
@@ -347,14 +348,14 @@ pl_status pl_outline_build(const pl_snapshot *shot, pl_cluster_cache *cache, pl_
       next += join_pieces(shot, object, next, &outlines[i]);
     } else {
       set_axes(shot, object, &outlines[i]);
-      set_box(&shot->camera, &outlines[i]);
+      set_box(&shot->rays.camera, &outlines[i]);
     }
   }
   for (size_t i = 0; i < count; i++)
     outlines[i].whole = is_whole(shot, i, outlines);
   for (size_t i = 0; i < count; i++)
     if (!outlines[i].whole && has_label(shot, i))
-      PL_TRY(refine_object(&shot->camera, cache, &outlines[i]));
+      PL_TRY(refine_object(&shot->rays.camera, cache, &outlines[i]));
   for (size_t i = 0; i < count; i++)
     outlines[i].whole = is_whole(shot, i, outlines);
   return PL_OK;

@@ -134,7 +134,7 @@ bool pl_sight_project(const pl_sight_frame *frame, const pl_sight *s, pl_vec3 *p
     const double u = frame->rows ? pl_shutter_row_share(placement, row) : 0.5;
     const carrier c = carrier_at(placement, s, u);
     *point = pl_mat3_mul_vec_t(c.camera, pl_affine_apply(&c.place, s->local));
-    if (!pl_camera_project(&frame->shot->camera, *point, pixel))
+    if (!pl_camera_project(&frame->shot->rays.camera, *point, pixel))
       return false;
     if (!frame->rows || fabs(pixel[1] - row) <= ROW_PX)
       return true;

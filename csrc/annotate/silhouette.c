@@ -47,7 +47,7 @@ static bool in_image(const pl_camera *camera, int x, int y) {
 }
 
 static void add_pixel(const search *search, int x, int y, pl_silhouette *into) {
-  const pl_camera *camera = &search->job->shot->camera;
+  const pl_camera *camera = &search->job->shot->rays.camera;
   const bool inside = in_image(camera, x, y);
   into->x0 = into->x0 < x ? into->x0 : x;
   into->y0 = into->y0 < y ? into->y0 : y;
@@ -82,7 +82,8 @@ void pl_silhouette_see(const pl_silhouette_job *job, size_t object, const pl_ext
   *out = PL_EXTENT_NONE;
   for (int32_t y = within->y0; y <= within->y1; y++)
     for (int32_t x = within->x0; x <= within->x1; x++)
-      if (is_seen(job, object, &job->seen[(size_t)y * (size_t)job->shot->camera.width + (size_t)x]))
+      if (is_seen(job, object,
+                  &job->seen[(size_t)y * (size_t)job->shot->rays.camera.width + (size_t)x]))
         pl_extent_merge(out, &(pl_extent){x, y, x, y, 1});
 }
 
@@ -92,8 +93,9 @@ static void look(const search *search, const int tile[4], int x, int y, bool pos
                  doubts *doubts, pl_silhouette *into) {
   const pl_snapshot *shot = search->job->shot;
   const int u = tile[0] + x, v = tile[1] + y;
-  if (in_image(&shot->camera, u, v)) {
-    const pl_seen *seen = &search->job->seen[(size_t)v * (size_t)shot->camera.width + (size_t)u];
+  if (in_image(&shot->rays.camera, u, v)) {
+    const pl_seen *seen =
+        &search->job->seen[(size_t)v * (size_t)shot->rays.camera.width + (size_t)u];
     if (pl_surface_is_none(seen->surface_id))
       return;
     const bool shows = is_seen(search->job, search->slot, seen);
@@ -137,7 +139,7 @@ static void look_at_cell(const search *search, const int tile[4], int x0, int y0
 
 static pl_status search_tile(void *context, size_t item, int worker) {
   const search *search = context;
-  const pl_camera *camera = &search->job->shot->camera;
+  const pl_camera *camera = &search->job->shot->rays.camera;
   const int column = (int)(item % (size_t)search->columns);
   const int row = (int)(item / (size_t)search->columns);
   const int x0 = search->box.x0 + TILE * column, y0 = search->box.y0 + TILE * row;
@@ -182,7 +184,7 @@ static void mark_rect(const search *search, pl_rect r) {
 static void mark_box(const search *search, const pl_outline *piece, const pl_cluster *box,
                      int depth) {
   const int small = 4 * CELL;
-  const pl_rect r = pl_outline_project(piece, &search->job->shot->camera, box->low, box->high);
+  const pl_rect r = pl_outline_project(piece, &search->job->shot->rays.camera, box->low, box->high);
   if (r.x0 > r.x1)
     return;
   if (depth == 0 || (r.x1 - r.x0 < small && r.y1 - r.y0 < small) ||

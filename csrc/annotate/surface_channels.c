@@ -1,7 +1,7 @@
 #include "annotate/surface_channels.h"
 
 void pl_write_albedo(const pl_label_run *run, void *pixels) {
-  const pl_camera *camera = &run->shot->camera;
+  const pl_camera *camera = &run->shot->rays.camera;
   const float spread = (float)(1.0 / fmax(camera->fx, camera->fy));
   float *out = pixels;
   for (size_t i = 0; i < run->count; i++) {

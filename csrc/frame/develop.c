@@ -39,7 +39,7 @@ static double sun_seen(const pl_tracer *tracer, const pl_sun_view *sun) {
  * angle of incidence. */
 static pl_flare_sun flare_sun(const pl_instant *instant, const pl_flare *flare) {
   const pl_snapshot *shot = &instant->shot;
-  const pl_camera *camera = &shot->camera;
+  const pl_camera *camera = &shot->rays.camera;
   const pl_vec3 to_sun = pl_mat3_mul_vec_t(shot->camera_to_root, pl_vec3_unit(shot->sun.position));
   const double angle = acos(fmax(-1.0, fmin(1.0, to_sun.z)));
   const double part = pl_flare_baffle(flare, angle) * fmax(0.0, to_sun.z);

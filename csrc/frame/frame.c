@@ -266,7 +266,7 @@ pl_status pl_renderer_frame(pl_renderer *renderer, const pl_frame_request *reque
       .colour = true,
   };
   if (develop)
-    PL_TRY(allocate_bands(renderer, &instant->shot.camera, &output.bands));
+    PL_TRY(allocate_bands(renderer, &instant->shot.rays.camera, &output.bands));
   PL_TRY(pl_labels_prepare(request, &instant->shot, &renderer->label_tools, &renderer->arena,
                            &output.labels));
   PL_TRY(pl_frame_flow(renderer, request, &result->plan, &choice, &output.labels.flow));

@@ -11,10 +11,10 @@ static const double MARGIN_PX = 0.1;
 /* Adds the planes through the sides of the image, which lens distortion would bend. */
 static void add_sides(const pl_snapshot *shot, const pl_shot_body *body,
                       pl_ground_tile_view *view) {
-  const double x0 = -0.5 - MARGIN_PX, x1 = shot->camera.width - 0.5 + MARGIN_PX;
-  const double y0 = -0.5 - MARGIN_PX, y1 = shot->camera.height - 0.5 + MARGIN_PX;
+  const double x0 = -0.5 - MARGIN_PX, x1 = shot->rays.camera.width - 0.5 + MARGIN_PX;
+  const double y0 = -0.5 - MARGIN_PX, y1 = shot->rays.camera.height - 0.5 + MARGIN_PX;
   const double corners[4][2] = {{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}};
-  if (shot->camera.lens.model != NULL || shot->camera.aperture_m > 0.0)
+  if (shot->rays.camera.lens.model != NULL || shot->rays.camera.aperture_m > 0.0)
     return;
   for (int k = 0; k < 4; k++) {
     const double *a = corners[k], *b = corners[(k + 1) % 4];
@@ -36,10 +36,11 @@ static void look(const pl_snapshot *shot, const pl_looks *looks, pl_ground_tile_
 /* The view of a body's terrain, in body axes. */
 static pl_ground_tile_view view_of(const pl_snapshot *shot, const pl_shot_body *body,
                                    const pl_looks *looks) {
-  const double image[4] = {-0.5, -0.5, shot->camera.width - 0.5, shot->camera.height - 0.5};
+  const double image[4] = {-0.5, -0.5, shot->rays.camera.width - 0.5,
+                           shot->rays.camera.height - 0.5};
   pl_ground_tile_view view = {
       .eye = body->camera,
-      .pixel_rad = 1.0 / fmax(shot->camera.fx, shot->camera.fy),
+      .pixel_rad = 1.0 / fmax(shot->rays.camera.fx, shot->rays.camera.fy),
       .cells_per_pixel = body->body->cells_per_pixel,
       .finest_m = body->body->finest_cell_m,
       .sun_diameter_rad =

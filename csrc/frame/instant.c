@@ -106,7 +106,7 @@ static pl_status cull(const pl_survey *survey, const pl_choice *choice, pl_arena
                       pl_snapshot *out) {
   pl_snapshot placed = survey->shot;
   pl_culling culling = {.view = &survey->view, .tolerance_dn = choice->tolerance_dn};
-  strip_camera(choice, &placed.camera);
+  strip_camera(choice, &placed.rays.camera);
   *out = placed;
   if (choice->colour && choice->subpixel)
     PL_TRY(pl_subpixel_find(&placed, culling.view, choice->tolerance_dn, arena, &culling.subpixel));

@@ -34,7 +34,7 @@ static size_t slot_of_body(const pl_snapshot *shot, size_t body) {
 }
 
 static size_t pixels_of(const pl_snapshot *shot) {
-  return (size_t)shot->camera.width * (size_t)shot->camera.height;
+  return (size_t)shot->rays.camera.width * (size_t)shot->rays.camera.height;
 }
 
 static pl_status prepare_silhouettes(pl_label_tools *tools, pl_arena *arena, pl_labels *out) {
@@ -97,7 +97,8 @@ void pl_labels_tile(const pl_labels *labels, const pl_snapshot *shot, const pl_t
   if (labels->flow != NULL)
     pl_flow_write(labels->flow, shot, result->empty ? NULL : result->points, PL_TILE_SIDE, tile);
   if (labels->seen != NULL)
-    pl_seen_write(result->points, PL_TILE_SIDE, tile, labels->shot->camera.width, labels->seen);
+    pl_seen_write(result->points, PL_TILE_SIDE, tile, labels->shot->rays.camera.width,
+                  labels->seen);
   if (labels->extents != NULL && !result->empty)
     pl_extent_add(labels->extents + (size_t)worker * count, labels->first_body, result->points,
                   PL_TILE_SIDE, tile);
@@ -188,13 +189,13 @@ static pl_status label_entities(const pl_labels *labels, const pl_silhouette_job
 static pl_status write_ground_rows(void *context, size_t item, int worker) {
   const pl_labels *labels = context;
   const pl_ground_map *map = &labels->ground;
-  const int height = map->shot->camera.height, y0 = (int)item * PL_GROUND_ROWS;
+  const int height = map->shot->rays.camera.height, y0 = (int)item * PL_GROUND_ROWS;
   const int y1 = y0 + PL_GROUND_ROWS < height ? y0 + PL_GROUND_ROWS : height;
   return pl_ground_map_write(map, y0, y1, worker);
 }
 
 static pl_status finish_ground(const pl_labels *labels) {
-  const size_t height = (size_t)labels->shot->camera.height;
+  const size_t height = (size_t)labels->shot->rays.camera.height;
   pl_labels all = *labels;
   if (labels->ground.points == NULL)
     return PL_OK;
@@ -211,7 +212,7 @@ pl_status pl_labels_finish(const pl_labels *labels, pl_accelerators *kept, pl_la
     return PL_OK;
   PL_TRY(take(arena, (size_t)threads, sizeof(pl_silhouette), &workers));
   if (labels->seen != NULL)
-    PL_TRY(take(arena, pl_silhouette_cells(&labels->shot->camera), 1, &cells));
+    PL_TRY(take(arena, pl_silhouette_cells(&labels->shot->rays.camera), 1, &cells));
   if (labels->seen != NULL && tools->solo == NULL)
     PL_TRY(pl_solo_create(kept, &tools->solo));
   const pl_silhouette_job job = {

@@ -15,7 +15,7 @@ typedef struct rays {
 
 /* Collects primary rays in rendering order. */
 static void gather_primary(const pl_snapshot *shot, const pl_coverage *coverage, rays *out) {
-  const int w = shot->camera.width, h = shot->camera.height;
+  const int w = shot->rays.camera.width, h = shot->rays.camera.height;
   for (int y0 = 0; y0 < h; y0 += PL_TILE_SIDE)
     for (int x0 = 0; x0 < w; x0 += PL_TILE_SIDE)
       for (int y = y0; y < y0 + PL_TILE_SIDE && y < h; y++)
@@ -61,7 +61,7 @@ static pl_status measure(const pl_survey *survey, pl_accelerators *kept, pl_cove
   PL_TRY(pl_realise(kept, survey, &choice, arena, &instant));
   const pl_snapshot *shot = &instant->shot;
   const pl_tracer *tracer = instant->tracer;
-  PL_TRY(pl_coverage_update(coverage, shot, 0, shot->camera.height, 1, 1));
+  PL_TRY(pl_coverage_update(coverage, shot, 0, shot->rays.camera.height, 1, 1));
   gather_primary(shot, coverage, &first);
   gather_shadow(shot, tracer, &first, &second);
   PL_TRY(pl_tracer_measure(kept, tracer, first.items, first.count, false, repeats, primary));

@@ -97,8 +97,8 @@ pl_status pl_frame_meter(pl_renderer *renderer, const pl_frame_request *request,
                          const pl_survey *survey, double fallback, double *white_radiance,
                          pl_sensor *sensor) {
   pl_survey small = *survey;
-  shrink_camera(&small.shot.camera);
-  const pl_camera *camera = &small.shot.camera;
+  shrink_camera(&small.shot.rays.camera);
+  const pl_camera *camera = &small.shot.rays.camera;
   const size_t count = (size_t)camera->width * (size_t)camera->height;
   const bool exposes = sensor != NULL && sensor->auto_time.on;
   meter meter = {.luminances = pl_arena_alloc(&renderer->arena, count, sizeof(float)),

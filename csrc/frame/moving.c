@@ -110,7 +110,7 @@ static pl_status render_at(const exposure *e, double time_s, const pl_choice *ch
   e->output->sky = &sky;
   PL_TRY(pl_frame_render(renderer, request, instant, &sky, done, e->output));
   if (choice->colour && choice->settings.slice != NULL)
-    add_stars(choice->settings.slice, &sky, &instant->shot.camera, e->output->film);
+    add_stars(choice->settings.slice, &sky, &instant->shot.rays.camera, e->output->film);
   pl_ground_scenes_release(renderer->accelerators, grounds);
   return PL_OK;
 }
@@ -123,8 +123,7 @@ static pl_status render_bands(const exposure *e, pl_choice choice) {
     choice.settings.row0 = (int)((int64_t)band * height / bands);
     choice.settings.row1 = (int)((int64_t)(band + 1) * height / bands);
     const double row = 0.5 * (choice.settings.row0 + choice.settings.row1 - 1);
-    const double time_s = row * shutter->line_s + 0.5 * shutter->exposure_s;
-    PL_TRY(render_at(e, time_s, &choice, pl_output_tile));
+    PL_TRY(render_at(e, pl_shutter_row_s(shutter, row), &choice, pl_output_tile));
   }
   return PL_OK;
 }
@@ -166,7 +165,7 @@ static void rows_of(const pl_slice *slice, int height, pl_render_settings *setti
 
 static pl_status add_tile(void *context, const pl_tile_result *result, int worker) {
   const pl_output *output = context;
-  const size_t width = (size_t)output->shot->camera.width;
+  const size_t width = (size_t)output->shot->rays.camera.width;
   (void)worker;
   for (int y = 0; y < result->tile.height; y++) {
     pl_vec3f *row = output->film + (size_t)(result->tile.y0 + y) * width + result->tile.x0;

@@ -19,7 +19,7 @@ void pl_output_colour(const pl_output *output, size_t first, const pl_vec3f *row
 pl_status pl_output_tile(void *context, const pl_tile_result *result, int worker) {
   const pl_output *output = context;
   const pl_snapshot *shot = output->shot;
-  const size_t width = (size_t)shot->camera.width;
+  const size_t width = (size_t)shot->rays.camera.width;
   if (output->colour) {
     pl_vec3f lit[PL_TILE_PIXELS];
     const pl_vec3f *radiance = pl_frame_sky_tile(output->sky, result, lit);

@@ -157,7 +157,7 @@ static void fill_tile(const pl_scan_job *job, size_t item, pl_scan_chunk *chunk)
       ray->beam = (size_t)y * (size_t)width + (size_t)x;
       pl_ray_source_ray(source, ray->beam, 0, &ray->own);
     } else {
-      ray->own = (pl_sensor_ray){.direction = pl_vec3_unit(pl_camera_ray(&source->camera, x, y))};
+      ray->own = (pl_sensor_ray){.direction = source->kind->at(source, x, y)};
     }
     pl_scan_place(job, ray);
   }

@@ -38,7 +38,7 @@ static double faint_radiance(const pl_view *view, const pl_plan_wish *wish) {
 
 pl_status pl_frame_sky_view(const pl_sky *sky, const pl_snapshot *shot, const pl_plan_wish *wish,
                             pl_arena *arena, pl_view *view, pl_frame_sky *out) {
-  *out = (pl_frame_sky){.width = shot->camera.width};
+  *out = (pl_frame_sky){.width = shot->rays.camera.width};
   view->sky = (pl_view_sky){.white_radiance = white_of(view)};
   if (sky == NULL)
     return PL_OK;
@@ -93,7 +93,7 @@ static pl_status find_seen(const pl_snapshot *shot, const pl_tracer *tracer,
     const pl_vec3 view = pl_mat3_mul_vec_t(shot->camera_to_root, star->direction);
     if (!pl_surface_is_none(hits[i].surface_id) ||
         pl_sun_covers(&sun, pl_vec3_to_float(star->direction)) ||
-        !pl_camera_project(&shot->camera, view, pixel))
+        !pl_camera_project(&shot->rays.camera, view, pixel))
       continue;
     const pl_vec3f transmittance = passed_of(shot, settings, pl_vec3_to_float(star->direction));
     sky->seen[sky->seen_count++] = (pl_seen_star){star->star, pixel[0], pixel[1], transmittance};
@@ -163,7 +163,7 @@ pl_status pl_frame_sky_place(const pl_plan *plan, const pl_snapshot *shot, const
   if (count == 0 && sky->subpixel_count == 0)
     return PL_OK;
   PL_TRY(find_seen(shot, tracer, settings, count, arena, sky));
-  return deposit(&shot->camera, arena, sky);
+  return deposit(&shot->rays.camera, arena, sky);
 }
 
 const pl_vec3f *pl_frame_sky_tile(const pl_frame_sky *sky, const pl_tile_result *result,

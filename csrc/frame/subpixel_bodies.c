@@ -40,8 +40,8 @@ static double diameter_px(const pl_snapshot *shot, const pl_geometry_bounds *bal
   const double off = hypot(center.x, center.y);
   const pl_vec3 turn =
       off > 0.0 ? (pl_vec3){-center.y / off, center.x / off, 0.0} : (pl_vec3){0.0, 1.0, 0.0};
-  return fmax(across_px(&shot->camera, center, turn, angle),
-              across_px(&shot->camera, center, pl_vec3_cross(turn, center), angle));
+  return fmax(across_px(&shot->rays.camera, center, turn, angle),
+              across_px(&shot->rays.camera, center, pl_vec3_cross(turn, center), angle));
 }
 
 /* Clouds above this altitude, relative to the body's radius, do not fit into its image; nor do
@@ -57,7 +57,7 @@ static bool is_subpixel(const pl_snapshot *shot, const pl_view *view, double tol
   const pl_view_entity *entity = &view->entities[pl_shot_slot(shot, id)];
   const double size = ball.in_frame ? diameter_px(shot, &ball) : INFINITY;
   const double covered = fmin(1.0, size * size);
-  return shot->camera.aperture_m == 0.0 && body->body->rings == NULL &&
+  return shot->rays.camera.aperture_m == 0.0 && body->body->rings == NULL &&
          body->state->clouds.altitude_m < HIGH * body->radius_m && size < DIAMETER_PX &&
          pl_view_sky_dn(view, 4.0 * covered * pl_view_light(entity)) > 0.125 * tolerance_dn;
 }
@@ -83,12 +83,12 @@ static void aim(const pl_snapshot *shot, const pl_geometry_bounds *ball, pl_snap
   const double focal = 0.5 * SIDE * FILLED * sqrt(1.0 - sine * sine) / sine;
   *out = *shot;
   out->camera_to_root = pl_mat3_transpose((pl_mat3){{right, down, forward}});
-  out->camera = (pl_camera){.width = SIDE,
-                            .height = SIDE,
-                            .fx = focal,
-                            .fy = focal,
-                            .cx = 0.5 * (SIDE - 1),
-                            .cy = 0.5 * (SIDE - 1)};
+  out->rays.camera = (pl_camera){.width = SIDE,
+                                 .height = SIDE,
+                                 .fx = focal,
+                                 .fy = focal,
+                                 .cx = 0.5 * (SIDE - 1),
+                                 .cy = 0.5 * (SIDE - 1)};
 }
 
 /* Image of one sub-pixel body. */
@@ -153,8 +153,8 @@ static void spread_pixel(const pl_camera *camera, const double at[2], double wid
 /* Distributes all pixels of the image over the frame. */
 static void spread(const gathering *g, const pl_snapshot *close, const pl_snapshot *shot,
                    pl_frame_sky *sky) {
-  const pl_camera *camera = &shot->camera;
-  const double width = fmax(camera->fx, camera->fy) / close->camera.fx;
+  const pl_camera *camera = &shot->rays.camera;
+  const double width = fmax(camera->fx, camera->fy) / close->rays.camera.fx;
   const size_t first = sky->subpixel_count;
   for (int i = 0; i < SIDE * SIDE; i++) {
     double at[2];
@@ -162,7 +162,7 @@ static void spread(const gathering *g, const pl_snapshot *close, const pl_snapsh
     if (!(pl_vec3f_max(g->light[i]) > 0.0f) ||
         !pl_camera_project(camera, pl_mat3_mul_vec_t(shot->camera_to_root, ray), at))
       continue;
-    const double angle = pl_pixel_solid_angle(&close->camera, i % SIDE, i / SIDE);
+    const double angle = pl_pixel_solid_angle(&close->rays.camera, i % SIDE, i / SIDE);
     spread_pixel(camera, at, width, pl_vec3f_scale(g->light[i], (float)angle), first, sky);
   }
 }

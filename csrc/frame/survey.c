@@ -10,7 +10,7 @@ pl_status pl_survey_place(const pl_scene *scene, const pl_frame_request *request
                           const pl_placement *placement, pl_arena *arena, pl_survey *out) {
   PL_TRY(pl_snapshot_build(scene, placement, arena, &out->shot));
   PL_TRY(pl_snapshot_view(&out->shot, arena, &out->view));
-  out->sky = (pl_frame_sky){.width = out->shot.camera.width};
+  out->sky = (pl_frame_sky){.width = out->shot.rays.camera.width};
   out->view.samples = request->samples;
   out->view.max_bounces = request->max_bounces;
   out->view.texture_filter = request->texture_filter;

@@ -13,8 +13,8 @@ typedef struct area {
   int x0, y0, x1, y1;
 } area;
 
-/* Rays leave through any point of a pixel, and slightly beyond: pl_path_subpixel reaches 0.542 with
- * three samples. */
+/* Rays leave through any point of a pixel, and slightly beyond: pl_image_sample_offset reaches
+ * 0.542 with three samples. */
 static const double MARGIN_PX = 0.55;
 /* Meshes are traced in single precision. Hits are off by less than ROUNDING times the lengths that
  * are summed in the model's frame (some sixteen roundings), and by less than ROUNDING_AWAY times
@@ -106,7 +106,7 @@ static double rounding_of(const pl_mat3 *linear, pl_vec3 origin, const pl_box *w
 
 static placed place(const pl_snapshot *shot, const pl_shot_object *object,
                     const pl_shot_piece *piece, int rays) {
-  const pl_camera *camera = &shot->camera;
+  const pl_camera *camera = &shot->rays.camera;
   placed at = {.shot = shot,
                .object = object,
                .piece = piece,
@@ -153,14 +153,14 @@ static void project_box(const placed *at, const pl_box *box, extent *out) {
   const double margin = MARGIN_PX + at->rounding * by;
   const double dx = reach_of(pl_vec3_madd(rows[0], -x, rows[2]), half) * by + margin;
   const double dy = reach_of(pl_vec3_madd(rows[1], -y, rows[2]), half) * by + margin;
-  const pl_camera *camera = &at->shot->camera;
+  const pl_camera *camera = &at->shot->rays.camera;
   *out =
       (extent){camera->cx + x - dx, camera->cy + y - dy, camera->cx + x + dx, camera->cy + y + dy};
 }
 
 /* Computes the corners of a box in camera axes; returns their number. */
 static size_t corners_of(const placed *at, const pl_box *box, pl_vec3 corners[BOX_POINTS]) {
-  const pl_camera *camera = &at->shot->camera;
+  const pl_camera *camera = &at->shot->rays.camera;
   const size_t count = camera->aperture_m > 0.0 ? BOX_POINTS : 8;
   pl_mat3 linear;
   pl_vec3 origin;
@@ -178,7 +178,7 @@ static size_t corners_of(const placed *at, const pl_box *box, pl_vec3 corners[BO
 
 /* The same for a lens with distortion or an aperture, from the box's corners. */
 static void project_corners(const placed *at, const pl_box *box, extent *out) {
-  const pl_camera *camera = &at->shot->camera;
+  const pl_camera *camera = &at->shot->rays.camera;
   pl_vec3 corners[BOX_POINTS];
   const size_t count = corners_of(at, box, corners);
   double near_m = INFINITY, rect[4] = {INFINITY, INFINITY, -INFINITY, -INFINITY};
@@ -276,7 +276,7 @@ static void mark_rows(const pl_coverage *coverage, const double p[3][2], double 
  * the smallest depth: 0 for a triangle behind the camera, infinity for one that is partly beside or
  * behind it. */
 static double project_triangle(const placed *at, uint32_t triangle, double p[3][2]) {
-  const pl_camera *camera = &at->shot->camera;
+  const pl_camera *camera = &at->shot->rays.camera;
   const uint32_t *corners = at->cover->model->indices + 3 * (size_t)triangle;
   double nearest = INFINITY, farthest = -INFINITY;
   for (int k = 0; k < 3; k++) {
@@ -322,7 +322,7 @@ static double pixels_of(const area *a) {
 static bool visit(const placed *at, const pl_coverage *coverage, uint32_t index, const area *in,
                   area *out) {
   const pl_box *box = &at->cover->boxes[index];
-  const bool pinhole = is_pinhole(&at->shot->camera), leaf = box->after == index + 1;
+  const bool pinhole = is_pinhole(&at->shot->rays.camera), leaf = box->after == index + 1;
   const bool closely = pinhole && at->rays >= CLOSE_RAYS;
   extent e;
   if (pinhole)
@@ -432,8 +432,8 @@ static void mark_bodies(const pl_coverage_job *job) {
 
 pl_status pl_coverage_update(pl_coverage *coverage, const pl_snapshot *shot, int row0, int row1,
                              int rays, int threads) {
-  coverage->width = shot->camera.width;
-  coverage->height = shot->camera.height;
+  coverage->width = shot->rays.camera.width;
+  coverage->height = shot->rays.camera.height;
   const size_t count = (size_t)coverage->width * (size_t)coverage->height;
   if (count > coverage->room) {
     atomic_uchar *grown = pl_realloc(coverage->pixels, count, sizeof *grown);
@@ -450,6 +450,10 @@ pl_status pl_coverage_update(pl_coverage *coverage, const pl_snapshot *shot, int
                          .slices = shot->object_count > SLICED_MOST ? 1 : SLICES,
                          .row0 = row0,
                          .row1 = row1 - 1};
+  if (!shot->rays.kind->projects) {
+    mark_area(coverage, &(area){0, row0, coverage->width - 1, row1 - 1}, PL_COVERED_BY_MESH);
+    return PL_OK;
+  }
   mark_bodies(&job);
   const int workers = boxes_of(shot) > ALONE ? threads : 1;
   return pl_parallel_for(workers, shot->object_count * job.slices, mark_item, &job, NULL);

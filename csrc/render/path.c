@@ -10,7 +10,6 @@
 #include "render/body_light.h"
 #include "render/draws.h"
 #include "render/emitters_path.h"
-#include "render/focus.h"
 #include "render/reflectance_lod.h"
 #include "render/planetshine.h"
 #include "render/sun_ray.h"
@@ -21,39 +20,27 @@ enum { ROULETTE_AFTER = 3 };
  * weights: the power heuristic would give it the square of this fraction. */
 static const float RIVAL_MIN = 0.01f;
 
-void pl_path_subpixel(uint32_t index, int samples, double offset[2]) {
-  const uint32_t half = UINT32_C(1) << 31;
-  const uint32_t x = pl_sampler_reverse_bits(index) ^ half;
-  const uint32_t y = pl_sampler_reverse_bits(pl_sampler_pascal(index)) ^ half;
-  const double cell = 0.5 / samples;
-  offset[0] = index == 0 ? 0.0 : 0x1p-32 * x + cell - 0.5;
-  offset[1] = index == 0 ? 0.0 : 0x1p-32 * y + cell - 0.5;
-}
-
 static void add(pl_vec3f *sum, pl_vec3f value) { *sum = pl_vec3f_add(*sum, value); }
 
 static size_t start_paths(const pl_path_context *context, uint32_t index, pl_tile_buffers *b) {
   double offset[2];
-  pl_path_subpixel(index, context->settings->samples, offset);
+  pl_image_sample_offset(index, context->settings->samples, offset);
   for (size_t i = 0; i < b->active_count; i++) {
     const uint32_t pixel = b->active[i];
     const int x = context->tile.x0 + (int)(pixel % PL_TILE_SIDE);
     const int y = context->tile.y0 + (int)(pixel / PL_TILE_SIDE);
-    /* A few samples are not symmetric about the centre. Random signs remove the mean shift. */
-    const double u = b->seeds[pixel] & 1u ? -offset[0] : offset[0];
-    const double v = b->seeds[pixel] & 2u ? -offset[1] : offset[1];
-    const pl_vec3 direction = pl_snapshot_ray(context->shot, x + u, y + v);
     b->paths[i] = (pl_path){
-        .beam = {.direction = direction, .spread = context->spread},
+        .beam = {.spread = context->spread},
         .throughput = {1.0f, 1.0f, 1.0f},
         .pdf = INFINITY,
         .pixel = pixel,
     };
-    if (context->shot->camera.aperture_m > 0.0)
-      pl_focus_beam(context->shot, index, b->seeds[pixel], &b->paths[i].beam);
-    b->rays[i] = (pl_ray){.origin = b->paths[i].beam.origin,
+    pl_beam *beam = &b->paths[i].beam;
+    pl_image_sample_ray(context->shot, index, offset, x, y, b->seeds[pixel], &beam->origin,
+                        &beam->direction);
+    b->rays[i] = (pl_ray){.origin = beam->origin,
                           .t_max = INFINITY,
-                          .direction = b->paths[i].beam.direction,
+                          .direction = beam->direction,
                           .skip_body = context->bodies ? PL_NO_BODY : PL_EVERY_BODY};
   }
   return b->active_count;
@@ -402,6 +389,13 @@ static bool is_shaded(const pl_path_context *context, int bounce, size_t i,
          !is_prefiltered(b, bounce, i);
 }
 
+/* Widens the beam of a camera ray, which hits something at distance t, by its part of the circle of
+ * confusion there. */
+static void widen_by_lens(const pl_path_context *context, double t, pl_beam *beam) {
+  const double across = pl_image_confusion_m(context->shot, beam->direction, t);
+  beam->width_m += (float)(across / sqrt((double)context->settings->samples));
+}
+
 /* Locates and shades the hits of paths `first` to `end`; vertex i - first of `b` is that of path i.
  */
 static void shade_hits(const pl_path_context *context, int bounce, size_t first, size_t end,
@@ -414,8 +408,8 @@ static void shade_hits(const pl_path_context *context, int bounce, size_t first,
     if (!is_shaded(context, bounce, i, b))
       continue;
     pl_vertex_locate(context->shot, beam, &b->hits[i], false, vertex);
-    if (bounce == 0 && context->shot->camera.aperture_m > 0.0)
-      pl_focus_widen(context->shot, context->settings->samples, vertex->t, beam);
+    if (bounce == 0 && context->shot->rays.camera.aperture_m > 0.0)
+      widen_by_lens(context, vertex->t, beam);
     run[count++] = (pl_vertex_view){beam, vertex};
   }
   pl_detail detail = context->settings->detail;

@@ -159,11 +159,4 @@ void pl_path_keep_limb(const pl_path_context *context, pl_tile_buffers *buffers)
  * pixels must have the same number of samples. */
 void pl_path_adapt(const pl_path_context *context, pl_tile_buffers *buffers);
 
-/* Position of colour sample `index` in its pixel, relative to the centre; `samples`: the usual
- * number of samples. It is the Sobol (0,2)-sequence, shifted digitally so that its first point is
- * the centre, where the labels' ray serves as a colour sample. Every aligned run of 2^k samples has
- * one in each cell of every division into 2^k cells. The samples below `samples` are evenly
- * distributed about the centre; later ones fill the gaps. */
-void pl_path_subpixel(uint32_t index, int samples, double offset[2]);
-
 #endif

@@ -378,12 +378,16 @@ static void reached(double at, double reach, int first, int count, int range[2])
 static void find_narrow(const pl_path_context *context, pl_tile_buffers *b) {
   const pl_snapshot *shot = context->shot;
   memset(b->narrow, 0, sizeof b->narrow);
+  if (!shot->rays.kind->projects) { /* it may be anywhere */
+    memset(b->narrow, 1, sizeof b->narrow);
+    return;
+  }
   for (size_t i = 0; i < shot->body_count; i++) {
     const pl_shot_body *body = &shot->bodies[i];
     const pl_vec3 seen = pl_mat3_mul_vec_t(shot->camera_to_root, body->center);
     const double pixel_m = context->pixel_rad * pl_vec3_norm(body->center);
     double at[2];
-    if (!is_narrow(body, pixel_m) || !pl_camera_project(&shot->camera, seen, at))
+    if (!is_narrow(body, pixel_m) || !pl_camera_project(&shot->rays.camera, seen, at))
       continue;
     const double reach = fmax(0.5 * NARROW_PX, body->radius_m / pixel_m) + 1.0;
     int xs[2], ys[2];

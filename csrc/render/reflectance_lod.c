@@ -59,7 +59,7 @@ static void evaluate(const law_samples *s, pl_surface *surface, pl_vec3f wo, pl_
 /* False if the ray through (u, v) does not hit the body first. */
 static bool meets(const law_samples *s, double u, double v, pl_beam *beam, pl_vertex *vertex) {
   *beam = (pl_beam){.direction = pl_snapshot_ray(s->shot, u, v),
-                    .spread = (float)(1.0 / s->shot->camera.fx)};
+                    .spread = (float)(1.0 / s->shot->rays.camera.fx)};
   return pl_vec3_dot(beam->direction, beam->direction) > 0.0 &&
          pl_vertex_meet_bodies(s->shot, beam, vertex) &&
          pl_surface_same(vertex->surface_id, s->surface_id);
@@ -126,7 +126,7 @@ static void take_samples(law_samples *s) {
 
 /* Sets the part of the image that may show the body: around its centre, or the whole image. */
 static void set_window(const pl_shot_body *body, law_samples *s) {
-  const pl_camera *camera = &s->shot->camera;
+  const pl_camera *camera = &s->shot->rays.camera;
   const pl_vec3 c = pl_mat3_mul_vec_t(s->shot->camera_to_root, body->center);
   const double distance = pl_vec3_norm(c), sine = body->radius_m / distance;
   double low[2] = {-0.5, -0.5}, high[2] = {camera->width - 0.5, camera->height - 0.5};

@@ -81,7 +81,7 @@ static pl_tile tile_of(const job *job, size_t item) {
   const int row = job->row0 / PL_TILE_SIDE + (int)(item / (size_t)job->columns);
   const int x0 = column * PL_TILE_SIDE, below = (row + 1) * PL_TILE_SIDE;
   const int y0 = row * PL_TILE_SIDE > job->row0 ? row * PL_TILE_SIDE : job->row0;
-  const int w = job->shot->camera.width - x0, h = (below < job->row1 ? below : job->row1) - y0;
+  const int w = job->shot->rays.camera.width - x0, h = (below < job->row1 ? below : job->row1) - y0;
   return (pl_tile){x0, y0, w < PL_TILE_SIDE ? w : PL_TILE_SIDE, h};
 }
 
@@ -119,8 +119,8 @@ static void draw_seeds(const job *job, pl_tile tile, uint32_t *seeds) {
   const uint64_t key[2] = {job->settings->seed, pl_hash(PL_HASH_SEED, "render", 6)};
   for (int y = 0; y < tile.height; y++) {
     for (int x = 0; x < tile.width; x++) {
-      const uint64_t pixel =
-          (uint64_t)(tile.y0 + y) * (uint64_t)job->shot->camera.width + (uint64_t)(tile.x0 + x);
+      const uint64_t pixel = (uint64_t)(tile.y0 + y) * (uint64_t)job->shot->rays.camera.width +
+                             (uint64_t)(tile.x0 + x);
       const uint64_t counter[4] = {pixel, job->settings->frame, 0, 0};
       uint64_t words[4];
       pl_philox(key, counter, words);
@@ -249,7 +249,7 @@ static void fill_points(const job *job, pl_tile tile, const content *content, pl
 /* Whether sampling is adaptive. With an aperture it is not: a few samples of a blurred outline may
  * all miss it, and then do not show that more are needed. */
 static bool is_adaptive(const job *job) {
-  return job->settings->noise_dn > 0.0f && !(job->shot->camera.aperture_m > 0.0) &&
+  return job->settings->noise_dn > 0.0f && !(job->shot->rays.camera.aperture_m > 0.0) &&
          job->settings->slice == NULL;
 }
 
@@ -264,8 +264,8 @@ static pl_path_context context_of(const job *job, pl_tile tile, const content *c
       .camera_sun = pl_sun_view_at(&job->shot->sun, (pl_vec3){0.0, 0.0, 0.0}),
       .spread = (float)(job->pixel_rad / sqrt((double)job->settings->samples)),
       .coverage = &job->scratch->coverage,
-      .centred = !(job->shot->camera.aperture_m > 0.0) && job->settings->slice == NULL,
-      .sharp = !(job->shot->camera.aperture_m > 0.0),
+      .centred = !(job->shot->rays.camera.aperture_m > 0.0) && job->settings->slice == NULL,
+      .sharp = !(job->shot->rays.camera.aperture_m > 0.0),
       .filters_irradiance = is_adaptive(job),
       .few_samples = is_adaptive(job) && job->settings->samples <= PL_IRRADIANCE_ROW,
       .bodies = content->bodies,
@@ -439,9 +439,9 @@ static int rays_of(const pl_render_settings *settings) {
 pl_status pl_render(const pl_snapshot *shot, const pl_tracer *tracer,
                     const pl_render_settings *settings, pl_render_scratch *scratch, pl_tile_fn done,
                     void *context, pl_cancel *cancel) {
-  const int columns = (shot->camera.width + PL_TILE_SIDE - 1) / PL_TILE_SIDE;
+  const int columns = (shot->rays.camera.width + PL_TILE_SIDE - 1) / PL_TILE_SIDE;
   const int row0 = settings->row0;
-  const int row1 = settings->row1 > 0 ? settings->row1 : shot->camera.height;
+  const int row1 = settings->row1 > 0 ? settings->row1 : shot->rays.camera.height;
   const int rows = (row1 + PL_TILE_SIDE - 1) / PL_TILE_SIDE - row0 / PL_TILE_SIDE;
   job job = {
       .shot = shot,
@@ -453,7 +453,7 @@ pl_status pl_render(const pl_snapshot *shot, const pl_tracer *tracer,
       .columns = columns,
       .row0 = row0,
       .row1 = row1,
-      .pixel_rad = 1.0 / fmax(shot->camera.fx, shot->camera.fy),
+      .pixel_rad = 1.0 / fmax(shot->rays.camera.fx, shot->rays.camera.fy),
   };
   PL_TRY(view_suns(scratch, shot));
   PL_TRY(pl_coverage_update(&scratch->coverage, shot, row0, row1, rays_of(settings),

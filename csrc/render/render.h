@@ -15,16 +15,8 @@
 #include "render/medium.h"
 #include "render/planetshine.h"
 #include "render/vertex.h"
+#include "scene/image_sample.h"
 #include "sky/backdrop.h"
-
-/* One instant of an exposure that is the mean over several. Sample j of `samples` of a pixel in row
- * y has the time offset_s + y row_s + spread_s (j + r) / samples, with r random in 0..1. It is
- * rendered at the nearest of `count` instants, which are evenly spaced over span_s from start_s. */
-typedef struct pl_slice {
-  int instant, count;
-  double start_s, span_s;
-  double offset_s, row_s, spread_s;
-} pl_slice;
 
 typedef struct pl_render_settings {
   uint64_t seed, frame; /* part of the key of all random numbers */
@@ -77,15 +69,6 @@ typedef struct pl_render_scratch pl_render_scratch;
 pl_status pl_render_scratch_create(int threads, pl_render_scratch **out);
 void pl_render_scratch_destroy(pl_render_scratch *scratch);
 int pl_render_scratch_threads(const pl_render_scratch *scratch);
-
-/* The instant of a sample, see pl_slice; `part`: r, 0..1. */
-static inline int pl_slice_of(const pl_slice *slice, int row, int sample, int samples,
-                              double part) {
-  const double t_s =
-      slice->offset_s + row * slice->row_s + slice->spread_s * (sample + part) / samples;
-  const double at = floor((t_s - slice->start_s) / slice->span_s * slice->count);
-  return (int)fmin(fmax(at, 0.0), slice->count - 1);
-}
 
 /* Renders the snapshot that `tracer` was set to. Calls `done` once per tile, on the worker that
  * made it. With noise_dn set, calls it again, without points, for tiles whose radiance is complete

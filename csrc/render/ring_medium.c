@@ -56,7 +56,7 @@ static bool may_see(const ring_item *item, const pl_snapshot *shot, pl_vec3 axis
     return false;
   const pl_vec3 apex = body->camera, along = pl_mat3_mul_vec_t(body->rotation, axis);
   const pl_vec3 at = pl_vec3_madd(apex, -apex.z / along.z, along);
-  const double r = hypot(at.x, at.y), slack_m = shot->camera.aperture_m;
+  const double r = hypot(at.x, at.y), slack_m = shot->rays.camera.aperture_m;
   return !(r < inner || r > outer) || circle_in_cone(inner, apex, along, half_angle, slack_m) ||
          circle_in_cone(outer, apex, along, half_angle, slack_m);
 }

@@ -1,48 +1,19 @@
 /* Samples of one instant of an exposure. A sample keeps its number, whatever its instant: over all
  * instants the samples are the well-distributed set of a pixel without motion, and (position, time)
  * is a Hammersley set if the number of instants divides that of the samples. */
-#include "math/sampler.h"
 #include "render/path.h"
 
-/* A pair of dimensions that no path uses, see focus.c. */
-static const uint32_t TIME_DIMENSION = UINT32_C(0x54494d45);
-
-/* Time of a sample within its own part of the exposure, 0..1. */
-static double part_of(uint32_t seed, int sample) {
-  return 0x1p-32 * pl_sampler_mix(seed ^ pl_sampler_mix((uint32_t)sample + TIME_DIMENSION));
-}
-
-/* The first sample of a row that may belong to the slice, and the end of the range. */
-static void range_of(const pl_slice *slice, int row, int samples, int range[2]) {
-  const double rounding = 1e-6;
-  range[0] = 0;
-  range[1] = samples;
-  if (!(slice->spread_s > 0.0))
-    return;
-  const double length_s = slice->span_s / slice->count;
-  const double open_s = slice->offset_s + row * slice->row_s;
-  for (int i = 0; i < 2; i++) {
-    const double end_s = slice->start_s + length_s * (slice->instant + i) - open_s;
-    const double at = end_s / slice->spread_s * samples;
-    const bool outer = i == 0 ? slice->instant == 0 : slice->instant == slice->count - 1;
-    if (!outer)
-      range[i] =
-          (int)fmin(fmax(i == 0 ? floor(at - rounding) : floor(at + rounding) + 1.0, 0.0), samples);
-  }
-}
-
 static bool is_of(const pl_path_context *context, int y, uint32_t seed, int sample) {
-  const pl_slice *slice = context->settings->slice;
-  const int samples = context->settings->samples;
-  return pl_slice_of(slice, context->tile.y0 + y, sample, samples, part_of(seed, sample)) ==
-         slice->instant;
+  return pl_slice_has(context->settings->slice, context->tile.y0 + y, seed, sample,
+                      context->settings->samples);
 }
 
 bool pl_path_share(const pl_path_context *context, pl_tile_buffers *b) {
   bool any = false;
   for (int y = 0; y < context->tile.height; y++) {
     int range[2];
-    range_of(context->settings->slice, context->tile.y0 + y, context->settings->samples, range);
+    pl_slice_range(context->settings->slice, context->tile.y0 + y, context->settings->samples,
+                   range);
     for (int x = 0; x < context->tile.width; x++) {
       const int pixel = y * PL_TILE_SIDE + x;
       b->sample_counts[pixel] = 0;
@@ -80,7 +51,7 @@ void pl_path_slice(const pl_path_context *context, pl_tile_buffers *b) {
     all[i] = b->active[i];
   for (int y = 0; y < context->tile.height; y++) {
     int range[2];
-    range_of(context->settings->slice, context->tile.y0 + y, samples, range);
+    pl_slice_range(context->settings->slice, context->tile.y0 + y, samples, range);
     low = range[0] < low ? range[0] : low;
     high = range[1] > high ? range[1] : high;
     for (int x = 0; x < context->tile.width; x++) { /* the pixels that need no samples */

@@ -41,19 +41,21 @@ static size_t look(const pl_path_context *context, uint32_t pixel, uint32_t inde
   const pl_sun_view *sun = &context->camera_sun;
   const pl_limb *limb = context->settings->limb;
   double offset[2];
-  pl_path_subpixel(index, rays * context->settings->samples, offset);
+  pl_image_sample_offset(index, rays * context->settings->samples, offset);
   const int x = context->tile.x0 + (int)(pixel % PL_TILE_SIDE);
   const int y = context->tile.y0 + (int)(pixel / PL_TILE_SIDE);
-  const double u = b->seeds[pixel] & 1u ? -offset[0] : offset[0];
-  const double v = b->seeds[pixel] & 2u ? -offset[1] : offset[1];
-  const pl_vec3 ray = pl_snapshot_ray(context->shot, x + u, y + v);
+  pl_vec3 origin, ray;
+  pl_image_sample_ray(context->shot, index, offset, x, y, b->seeds[pixel], &origin, &ray);
   const pl_vec3f direction = pl_vec3_to_float(ray);
   if (!pl_sun_covers(sun, direction))
     return queued;
   const float light = sun->radiance / (float)rays;
   const pl_vec3f even = {light, light, light};
-  b->shadow_rays[queued] = (pl_ray){
-      .t_max = INFINITY, .direction = ray, .skip_body = PL_NO_BODY, .from_surface = PL_NO_SURFACE};
+  b->shadow_rays[queued] = (pl_ray){.origin = origin,
+                                    .t_max = INFINITY,
+                                    .direction = ray,
+                                    .skip_body = PL_NO_BODY,
+                                    .from_surface = PL_NO_SURFACE};
   b->pending[queued] = (pl_pending){
       .radiance = limb != NULL ? pl_vec3f_scale(pl_limb_ratio(limb, sun, direction), light) : even,
       .pixel = pixel};

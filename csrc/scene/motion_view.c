@@ -100,14 +100,15 @@ static step step_of(const pl_placement *placement, const pl_snapshot *shot, int 
   step.sun_from = pl_vec3_sub(sun->keys != NULL ? sun->keys[key] : sun->position_m, step.from.t);
   step.sun_to = pl_vec3_sub(sun->keys != NULL ? sun->keys[key + 1] : sun->position_m, step.to.t);
   step.turn_rad = turn_rad(step.from.q, step.to.q);
-  const double image[4] = {-0.5, -0.5, shot->camera.width - 0.5, shot->camera.height - 0.5};
+  const double image[4] = {-0.5, -0.5, shot->rays.camera.width - 0.5,
+                           shot->rays.camera.height - 0.5};
   pl_vec3 axis;
   pl_snapshot_cone(shot, image, &axis, &step.half_angle_rad);
   const pl_vec3 forward = pl_mat3_mul_vec(shot->camera_to_root, (pl_vec3){0.0, 0.0, 1.0});
   step.half_angle_rad += angle_between(axis, forward);
   const double cosine = fmax(0.1, cos(step.half_angle_rad));
   const double scale = placement->camera.lens.model != NULL ? 1.0 : 1.0 / (cosine * cosine);
-  step.px_per_rad = fmax(shot->camera.fx, shot->camera.fy) * scale;
+  step.px_per_rad = fmax(shot->rays.camera.fx, shot->rays.camera.fy) * scale;
   return step;
 }
 

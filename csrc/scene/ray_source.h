@@ -1,6 +1,8 @@
 /* Ray sources: one table of the ways in which a sensor places its rays in space and time. A camera
  * places one ray a pixel; scanners follow a pattern. Rays are in the sensor's axes: x right, y
- * down, z forward. */
+ * down, z forward. Sources that are images also have a ray through every position of the image:
+ * all pictures, their exposures, their metering and their labels are made of those (a snapshot has
+ * the source of its frame; image_sample.h places the samples of pixels). */
 #ifndef PL_SCENE_RAY_SOURCE_H
 #define PL_SCENE_RAY_SOURCE_H
 
@@ -42,6 +44,16 @@ typedef struct pl_ray_source_kind {
   double (*duration_s)(const pl_ray_source *source); /* time of the last beam */
   /* Sets beam `index`; `sub` of `source->sub_rays` matters with fills_area only. */
   void (*ray)(const pl_ray_source *source, size_t index, int sub, pl_sensor_ray *out);
+  /* Of an image: unit direction through position (u, v), with pixel centres at integers; zero where
+   * there is no ray. NULL: the source is no image. */
+  pl_vec3 (*at)(const pl_ray_source *source, double u, double v);
+  /* A faster way to the same bits for `count` pixels of row v from u0 on, turned by `turn`; written
+   * to three arrays. Returns false where there is none; NULL: there never is. */
+  bool (*row)(const pl_ray_source *source, const pl_mat3 *turn, int u0, int v, size_t count,
+              double *x, double *y, double *z);
+  /* Of an image: pl_camera_project is the inverse of `at`. Otherwise no pixel is known to miss a
+   * mesh, and all cast rays. */
+  bool projects;
 } pl_ray_source_kind;
 
 struct pl_ray_source {
@@ -75,6 +87,13 @@ const pl_ray_source_kind *pl_ray_source_find(const char *name);
 
 /* Returns PL_E_RANGE, naming the value, for a source that is not valid. */
 pl_status pl_ray_source_check(const pl_ray_source *source);
+
+/* Rays of a frame's camera. */
+static inline pl_ray_source pl_ray_source_of_camera(const pl_camera *camera,
+                                                    const pl_shutter *shutter) {
+  return (pl_ray_source){
+      .kind = &pl_ray_source_pixels, .camera = *camera, .shutter = *shutter, .sub_rays = 1};
+}
 
 /* Sets ray `sub` of beam `index`. The sub-rays of a beam cover its disc evenly (Vogel, "A better
  * way to construct the sunflower head", 1979), each with the same part of its power; one is the

@@ -236,6 +236,10 @@ typedef struct pl_shutter {
   /* the keys are too far apart for interpolation: each state holds until halfway to the next key */
   bool held;
 } pl_shutter;
+/* Returns the middle of a row's exposure, s since the start of the first row's. */
+static inline double pl_shutter_row_s(const pl_shutter *shutter, double row) {
+  return row * shutter->line_s + 0.5 * shutter->exposure_s;
+}
 
 /* Everything that varies between frames; arrays are borrowed. */
 typedef struct pl_placement {

@@ -58,8 +58,7 @@ double pl_shutter_row_share(const pl_placement *placement, double row) {
   const double window_s = pl_shutter_window_s(placement);
   if (!(window_s > 0.0))
     return 0.5;
-  const double u =
-      fmin(fmax((row * shutter->line_s + 0.5 * shutter->exposure_s) / window_s, 0.0), 1.0);
+  const double u = fmin(fmax(pl_shutter_row_s(shutter, row) / window_s, 0.0), 1.0);
   return shutter->held ? held(&placement->camera.motion, u) : u;
 }
 

@@ -9,8 +9,22 @@
 #define ASTRONOMICAL_UNIT_M 149597870700.0
 
 pl_vec3 pl_snapshot_ray(const pl_snapshot *snapshot, double u, double v) {
-  const pl_vec3 direction = pl_camera_ray(&snapshot->camera, u, v);
-  return pl_mat3_mul_vec(snapshot->camera_to_root, pl_vec3_unit(direction));
+  const pl_ray_source *rays = &snapshot->rays;
+  return pl_mat3_mul_vec(snapshot->camera_to_root, rays->kind->at(rays, u, v));
+}
+
+void pl_snapshot_rays(const pl_snapshot *shot, int u0, int v, size_t count, double *x, double *y,
+                      double *z) {
+  const pl_ray_source *rays = &shot->rays;
+  if (rays->kind->row != NULL &&
+      rays->kind->row(rays, &shot->camera_to_root, u0, v, count, x, y, z))
+    return;
+  for (size_t i = 0; i < count; i++) {
+    const pl_vec3 ray = pl_snapshot_ray(shot, u0 + (double)i, v);
+    x[i] = ray.x;
+    y[i] = ray.y;
+    z[i] = ray.z;
+  }
 }
 
 bool pl_sphere_in_cone(pl_vec3 center, double radius_m, pl_vec3 axis, double half_angle_rad) {
@@ -26,8 +40,8 @@ bool pl_sphere_in_cone(pl_vec3 center, double radius_m, pl_vec3 axis, double hal
  * starts within the aperture radius and deviates by at most asin(radius / F). */
 bool pl_snapshot_sees(const pl_snapshot *shot, pl_vec3 center, double radius_m, pl_vec3 axis,
                       double half_angle_rad) {
-  const double lens_m = 0.5 * shot->camera.aperture_m;
-  const double turn = asin(fmin(1.0, lens_m * shot->camera.focus_per_m));
+  const double lens_m = 0.5 * shot->rays.camera.aperture_m;
+  const double turn = asin(fmin(1.0, lens_m * shot->rays.camera.focus_per_m));
   return pl_sphere_in_cone(center, radius_m + lens_m, axis, half_angle_rad + turn);
 }
 
@@ -43,7 +57,7 @@ static const double BENT_ROOM = 1.05;
 
 void pl_snapshot_cone(const pl_snapshot *shot, const double rect[4], pl_vec3 *axis,
                       double *half_angle_rad) {
-  const bool bent = shot->camera.lens.model != NULL;
+  const bool bent = shot->rays.camera.lens.model != NULL || !shot->rays.kind->projects;
   const int steps = bent ? BENT : 1;
   *axis = pl_snapshot_ray(shot, 0.5 * (rect[0] + rect[2]), 0.5 * (rect[1] + rect[3]));
   *half_angle_rad = 0.0;
@@ -220,7 +234,7 @@ pl_status pl_snapshot_build(const pl_scene *scene, const pl_placement *placement
   *out = (pl_snapshot){
       .levels = scene->levels,
       .craft_count = scene->craft_count,
-      .camera = placement->camera,
+      .rays = pl_ray_source_of_camera(&placement->camera, &placement->shutter),
       .camera_to_root = pl_mat3_from_quat(camera.q),
       .camera_position = camera.t,
       .object_count = scene->object_count,
@@ -235,7 +249,7 @@ pl_status pl_snapshot_build(const pl_scene *scene, const pl_placement *placement
     return pl_fail(PL_E_RANGE, "the camera is inside the sun");
   pl_vec3 axis;
   double half_angle;
-  const double image[4] = {-0.5, -0.5, out->camera.width - 0.5, out->camera.height - 0.5};
+  const double image[4] = {-0.5, -0.5, out->rays.camera.width - 0.5, out->rays.camera.height - 0.5};
   pl_snapshot_cone(out, image, &axis, &half_angle);
   out->sun.in_frame = pl_snapshot_sees(out, out->sun.position, out->sun.radius_m, axis, half_angle);
   PL_TRY(place_objects(scene, placement, arena, axis, half_angle, out));

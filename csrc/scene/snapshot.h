@@ -8,6 +8,7 @@
 #include "base/memory.h"
 #include "geom/sphere_tree.h"
 #include "plan/view.h"
+#include "scene/ray_source.h"
 #include "scene/scene.h"
 #include "scene/senders.h"
 #include "scene/surface_id.h"
@@ -121,8 +122,9 @@ typedef struct pl_shot_sun {
 
 typedef struct pl_snapshot {
   int levels;
-  size_t craft_count;      /* as in the scene: number of objects with labels of their own */
-  pl_camera camera;        /* intrinsics; its motion is no longer used */
+  size_t craft_count; /* as in the scene: number of objects with labels of their own */
+  /* Rays of the image, in camera axes; motion and shutter are no longer used. */
+  pl_ray_source rays;
   pl_mat3 camera_to_root;  /* rotation at mid-exposure */
   pl_vec3 camera_position; /* root frame, m */
   const pl_shot_object *objects;

@@ -267,7 +267,8 @@ static pl_view_entity shape_entity(const pl_snapshot *shot, const pl_shot_object
 static pl_view_entity terrain_entity(const pl_snapshot *shot, const pl_shot_body *body) {
   pl_view_entity entity = body_entity(shot, body);
   const pl_ground_tile_view view = {.eye = body->camera,
-                                    .pixel_rad = 1.0 / fmax(shot->camera.fx, shot->camera.fy),
+                                    .pixel_rad =
+                                        1.0 / fmax(shot->rays.camera.fx, shot->rays.camera.fy),
                                     .cells_per_pixel = body->body->cells_per_pixel,
                                     .finest_m = body->body->finest_cell_m};
   entity.is_body = false;
@@ -318,18 +319,18 @@ static double sphere_defocus_px(const pl_snapshot *shot, double half, pl_vec3 ce
                                 double radius_m) {
   const double depth = pl_mat3_mul_vec_t(shot->camera_to_root, center).z;
   const double nearest = (pl_vec3_norm(center) - radius_m) * cos(half);
-  return fmax(confusion_px(&shot->camera, fmax(depth - radius_m, nearest)),
-              confusion_px(&shot->camera, depth + radius_m));
+  return fmax(confusion_px(&shot->rays.camera, fmax(depth - radius_m, nearest)),
+              confusion_px(&shot->rays.camera, depth + radius_m));
 }
 
 static double defocus_px(const pl_snapshot *shot, const pl_view *view) {
   const pl_vec3 axis = pl_mat3_mul_vec(shot->camera_to_root, (pl_vec3){0.0, 0.0, 1.0});
   double half = 0.0, most = 0.0;
-  if (!(shot->camera.aperture_m > 0.0))
+  if (!(shot->rays.camera.aperture_m > 0.0))
     return 0.0;
   for (int corner = 0; corner < 4; corner++) {
-    const pl_vec3 ray = pl_snapshot_ray(shot, -0.5 + (corner & 1 ? shot->camera.width : 0),
-                                        -0.5 + (corner & 2 ? shot->camera.height : 0));
+    const pl_vec3 ray = pl_snapshot_ray(shot, -0.5 + (corner & 1 ? shot->rays.camera.width : 0),
+                                        -0.5 + (corner & 2 ? shot->rays.camera.height : 0));
     half = fmax(half, acos(fmin(1.0, pl_vec3_dot(ray, axis))));
   }
   if (view->sun_in_frame)
@@ -374,17 +375,17 @@ pl_status pl_snapshot_view(const pl_snapshot *shot, pl_arena *arena, pl_view *ou
   const double distance = pl_vec3_norm(sun);
   const pl_vec3 axis = pl_mat3_mul_vec(shot->camera_to_root, (pl_vec3){0.0, 0.0, 1.0});
   *out = (pl_view){
-      .width = shot->camera.width,
-      .height = shot->camera.height,
-      .pixel_rad = 1.0 / fmax(shot->camera.fx, shot->camera.fy),
-      .corner_tangent = corner_tangent(&shot->camera),
+      .width = shot->rays.camera.width,
+      .height = shot->rays.camera.height,
+      .pixel_rad = 1.0 / fmax(shot->rays.camera.fx, shot->rays.camera.fy),
+      .corner_tangent = corner_tangent(&shot->rays.camera),
       .sun_radius_rad = asin(fmin(1.0, shot->sun.radius_m / distance)),
       .sun_position_m = {sun.x, sun.y, sun.z},
       .sun_radius_m = shot->sun.radius_m,
       .sun_axis_rad = atan2(pl_vec3_norm(pl_vec3_cross(axis, sun)), pl_vec3_dot(axis, sun)),
       .sun_irradiance = pl_shot_sun_irradiance(&shot->sun, (pl_vec3){0.0, 0.0, 0.0}),
       .sun_in_frame = shot->sun.in_frame,
-      .lens_shift_px = pl_camera_lens_shift(&shot->camera),
+      .lens_shift_px = pl_camera_lens_shift(&shot->rays.camera),
       .entities = entities,
       .entity_count = count,
   };

@@ -59,7 +59,7 @@ pl_vec3f pl_backdrop_radiance(const pl_backdrop *backdrop, const pl_snapshot *sh
   if (backdrop->kind == PL_BACKDROP_MAP)
     read_map(backdrop, shot, x, y, value);
   else
-    read_image(backdrop, &shot->camera, x, y, value);
+    read_image(backdrop, &shot->rays.camera, x, y, value);
   return (pl_vec3f){value[0] * backdrop->white[0], value[1] * backdrop->white[1],
                     value[2] * backdrop->white[2]};
 }

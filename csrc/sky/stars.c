@@ -91,7 +91,7 @@ static bool in_cone(const gathering *g, const pl_sky_cell *cell) {
 
 /* Computes the position in the image; false for a star behind the camera or outside the image. */
 static bool see(const gathering *g, const pl_star *star, pl_field_star *out) {
-  const pl_camera *camera = &g->shot->camera;
+  const pl_camera *camera = &g->shot->rays.camera;
   double pixel[2];
   *out = (pl_field_star){.star = star, .direction = pl_star_aberrate(star->direction, g->beta)};
   const pl_vec3 view = pl_mat3_mul_vec_t(g->shot->camera_to_root, out->direction);
@@ -224,12 +224,12 @@ pl_status pl_star_field_gather(const pl_star_catalogue *catalogue, const pl_snap
                                pl_vec3 beta, double faint, pl_arena *arena, pl_star_field *out,
                                pl_view_sky *view) {
   gathering g = {.catalogue = catalogue, .shot = shot, .beta = beta, .field = out};
-  const double w = shot->camera.width, h = shot->camera.height;
+  const double w = shot->rays.camera.width, h = shot->rays.camera.height;
   const double rect[4] = {-1.0, -1.0, w, h}, image[4] = {-0.5, -0.5, w - 0.5, h - 0.5};
-  const double angle = least_angle(&shot->camera);
+  const double angle = least_angle(&shot->rays.camera);
   size_t room;
   *out = (pl_star_field){0};
-  pl_snapshot_cone(shot, shot->camera.lens.model == NULL ? rect : image, &g.axis,
+  pl_snapshot_cone(shot, shot->rays.camera.lens.model == NULL ? rect : image, &g.axis,
                    &g.half_angle_rad);
   /* A lens model may have no ray outside its image: the cone of the image is widened by two pixels
    * instead. */
@@ -247,5 +247,5 @@ pl_status pl_star_field_gather(const pl_star_catalogue *catalogue, const pl_snap
   view->catalogued = true;
   view->star_count = out->count;
   view->star_levels = out->levels;
-  return set_left(out, &shot->camera, (float)(g.left / angle), arena, view);
+  return set_left(out, &shot->rays.camera, (float)(g.left / angle), arena, view);
 }

@@ -3,14 +3,14 @@
 #include "render/coverage_mask.h"
 
 #include "jointed.h"
-#include "render/focus.h"
 #include "scenes.h"
 #include "render/geometry.h"
+#include "scene/image_sample.h"
 #include "trace/tracer.h"
 
 enum { WIDTH = 96, HEIGHT = 64, PIXELS = WIDTH * HEIGHT, TRIES = 12 };
 
-/* From the centre: as far as pl_path_subpixel goes. */
+/* From the centre: as far as pl_image_sample_offset goes. */
 static const double FARTHEST = 0.542;
 
 typedef struct world {
@@ -65,15 +65,14 @@ static pl_model *debris_create(test_random *random, size_t triangles, double sma
 }
 
 static bool meets(const world *w, test_random *random, int x, int y) {
-  const pl_vec3 direction = pl_snapshot_ray(&w->shot, x + random_range(random, -FARTHEST, FARTHEST),
-                                            y + random_range(random, -FARTHEST, FARTHEST));
-  pl_beam beam = {.direction = direction};
+  const double offset[2] = {random_range(random, -FARTHEST, FARTHEST),
+                            random_range(random, -FARTHEST, FARTHEST)};
+  pl_beam beam;
   pl_hit hit;
-  if (pl_vec3_norm(direction) == 0.0)
+  pl_image_sample_ray(&w->shot, (uint32_t)random_below(random, 64), offset, x, y,
+                      (uint32_t)random_below(random, 1 << 30), &beam.origin, &beam.direction);
+  if (pl_vec3_norm(beam.direction) == 0.0)
     return false;
-  if (w->shot.camera.aperture_m > 0.0)
-    pl_focus_beam(&w->shot, (uint32_t)random_below(random, 64),
-                  (uint32_t)random_below(random, 1 << 30), &beam);
   const pl_ray ray = {.origin = beam.origin,
                       .t_max = INFINITY,
                       .direction = beam.direction,

@@ -63,8 +63,8 @@ static void world_init(world *w, uint64_t seed) {
   w->state.radii_m = ground.radii_m;
   w->shot_body = (pl_shot_body){.body = &w->body, .state = &w->state};
   w->shot = (pl_snapshot){.bodies = &w->shot_body, .body_count = 1};
-  w->shot.camera.width = WIDTH;
-  w->shot.camera.height = HEIGHT;
+  w->shot.rays.camera.width = WIDTH;
+  w->shot.rays.camera.height = HEIGHT;
   w->settings = (pl_ground_settings){.baselines_m = {3.0},
                                      .baseline_count = 1,
                                      .disc_points = 16,
