@@ -18,7 +18,7 @@ static pl_render_settings settings_of(const pl_frame_request *request,
   /* All samples in every pixel: if the effect is forced on by name, or at a tolerance of 0. */
   const bool exact = request->wish.tolerance_dn == 0.0;
   const bool all_samples =
-      exact || (request->wish.force_on >> pl_effect_find("antialiasing") & 1u) != 0;
+      exact || pl_effect_set_has(&request->wish.force_on, PL_EFFECT_INDEX_antialiasing);
   return (pl_render_settings){
       .seed = request->seed,
       .frame = request->index,

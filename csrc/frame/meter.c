@@ -77,10 +77,10 @@ static void shrink_camera(pl_camera *camera) {
 
 /* Effects that are not metered: light on its way over other surfaces, motion, and what is below the
  * accuracy of so small an image. */
-static const pl_effect *const unmetered[] = {
-    &pl_effect_soft_sun,     &pl_effect_limb_darkening, &pl_effect_bounces,
-    &pl_effect_body_bounces, &pl_effect_planetshine,    &pl_effect_caustics,
-    &pl_effect_transmission, &pl_effect_motion_blur,    &pl_effect_rolling_shutter,
+static const size_t unmetered[] = {
+    PL_EFFECT_INDEX_soft_sun,     PL_EFFECT_INDEX_limb_darkening, PL_EFFECT_INDEX_bounces,
+    PL_EFFECT_INDEX_body_bounces, PL_EFFECT_INDEX_planetshine,    PL_EFFECT_INDEX_caustics,
+    PL_EFFECT_INDEX_transmission, PL_EFFECT_INDEX_motion_blur,    PL_EFFECT_INDEX_rolling_shutter,
 };
 
 /* Plans the small image: what is left out changes nothing, whatever the exposure will be, which
@@ -89,7 +89,7 @@ static const pl_effect *const unmetered[] = {
 static pl_status plan_metering(pl_view view, pl_plan *out) {
   pl_plan_wish wish = {.tolerance_dn = 0.0};
   for (size_t i = 0; i < sizeof unmetered / sizeof unmetered[0]; i++)
-    wish.force_off |= UINT64_C(1) << pl_effect_find(unmetered[i]->name);
+    pl_effect_set_add(&wish.force_off, unmetered[i]);
   return pl_plan_solve(pl_effects, pl_effect_count, &view, &wish, out);
 }
 

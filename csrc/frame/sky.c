@@ -29,7 +29,7 @@ static double white_of(const pl_view *view) {
 /* Returns the total radiance that a cell's faint stars may have: at most an eighth of the
  * tolerance. */
 static double faint_radiance(const pl_view *view, const pl_plan_wish *wish) {
-  const bool all = (wish->force_on >> pl_effect_find("stars") & 1u) != 0;
+  const bool all = pl_effect_set_has(&wish->force_on, PL_EFFECT_INDEX_stars);
   double radiance = all || !(wish->tolerance_dn > 0.0) ? 0.0 : view->sky.white_radiance;
   while (radiance > 1e-30 && pl_view_sky_dn(view, radiance) > 0.125 * wish->tolerance_dn)
     radiance *= 0.5;

@@ -4,6 +4,7 @@
 #define PL_PLAN_EFFECTS_H
 
 #include "plan/effect.h"
+#include "plan/effect_set.h"
 
 /* Plans list the effects in this order. To add an effect, add the file that defines its row,
  * `pl_effect_NAME`, and one line here. */
@@ -63,6 +64,16 @@
 #define PL_DECLARE(name) extern const pl_effect pl_effect_##name;
 PL_EFFECTS(PL_DECLARE)
 #undef PL_DECLARE
+
+/* Indices of the table: PL_EFFECT_INDEX_soft_sun, ... */
+enum {
+#define PL_INDEX(name) PL_EFFECT_INDEX_##name,
+  PL_EFFECTS(PL_INDEX)
+#undef PL_INDEX
+      PL_EFFECT_COUNT
+};
+_Static_assert((int)PL_EFFECT_COUNT <= (int)PL_PLAN_ROWS_MAX,
+               "raise PL_PLAN_ROWS_MAX in plan/effect_set.h");
 
 /* The value of each effect in a plan; 0: it is off. Code that acts on an effect reads its field, in
  * pl_render_settings. */

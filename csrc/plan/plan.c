@@ -58,7 +58,8 @@ pl_status pl_plan_solve(const pl_effect *const *effects, size_t count, const pl_
   if (count > PL_PLAN_ROWS_MAX)
     return pl_fail(PL_E_ARGUMENT, "%zu effects: a plan holds at most %d", count, PL_PLAN_ROWS_MAX);
   for (size_t i = 0; i < count; i++) {
-    const bool on = (wish->force_on >> i & 1u) != 0, off = (wish->force_off >> i & 1u) != 0;
+    const bool on = pl_effect_set_has(&wish->force_on, i);
+    const bool off = pl_effect_set_has(&wish->force_off, i);
     if (on && off)
       return pl_fail(PL_E_ARGUMENT, "effect '%s' is in both force_on and force_off",
                      effects[i]->name);
@@ -74,8 +75,8 @@ void pl_plan_solve_again(const pl_effect *effect, const pl_view *view, const pl_
     if (plan->rows[i].effect != effect)
       continue;
     plan->rows[i] = (pl_plan_row){.effect = effect};
-    solve_row(view, wish, (wish->force_on >> i & 1u) != 0, (wish->force_off >> i & 1u) != 0,
-              &plan->rows[i]);
+    solve_row(view, wish, pl_effect_set_has(&wish->force_on, i),
+              pl_effect_set_has(&wish->force_off, i), &plan->rows[i]);
   }
 }
 

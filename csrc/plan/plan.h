@@ -6,8 +6,9 @@
 
 #include "base/status.h"
 #include "plan/effect.h"
+#include "plan/effect_set.h"
 
-enum { PL_PLAN_ROWS_MAX = 64, PL_PLAN_REASON = 120 };
+enum { PL_PLAN_REASON = 120 };
 
 typedef struct pl_plan_row {
   const pl_effect *effect; /* borrowed from the table */
@@ -23,10 +24,10 @@ typedef struct pl_plan {
   pl_plan_row rows[PL_PLAN_ROWS_MAX];
 } pl_plan;
 
-/* The user's settings for the plan. Bits of the masks are indices into the table of effects. */
+/* The user's settings for the plan. Sets are of indices into the table of effects. */
 typedef struct pl_plan_wish {
   double tolerance_dn;
-  uint64_t force_on, force_off;
+  pl_effect_set force_on, force_off;
 } pl_plan_wish;
 
 /* Keeps each effect whose bound exceeds the tolerance, at the smallest value whose residual is

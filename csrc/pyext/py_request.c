@@ -267,9 +267,9 @@ static int parse_sun(PyObject *dict, pl_sun *sun) {
   return parse_wavelengths(dict, sun);
 }
 
-static int mask_of(PyObject *names, const char *key, uint64_t *mask) {
+static int set_of(PyObject *names, const char *key, pl_effect_set *set) {
   const Py_ssize_t count = PySequence_Size(names);
-  *mask = 0;
+  *set = (pl_effect_set){0};
   for (Py_ssize_t i = 0; i < count; i++) {
     PyObject *name = PySequence_GetItem(names, i);
     const char *text = name != NULL ? PyUnicode_AsUTF8AndSize(name, NULL) : NULL;
@@ -280,15 +280,15 @@ static int mask_of(PyObject *names, const char *key, uint64_t *mask) {
     Py_XDECREF(name);
     if (index < 0)
       return -1;
-    *mask |= UINT64_C(1) << index;
+    pl_effect_set_add(set, (size_t)index);
   }
   return count < 0 ? -1 : 0;
 }
 
-/* Converts names of effects to a bit mask. */
-static int parse_mask(PyObject *dict, const char *key, uint64_t *mask) {
+/* Converts names of effects to a set. */
+static int parse_set(PyObject *dict, const char *key, pl_effect_set *set) {
   PyObject *names = item(dict, key);
-  const int failed = names != NULL ? mask_of(names, key, mask) : -1;
+  const int failed = names != NULL ? set_of(names, key, set) : -1;
   Py_XDECREF(names);
   return failed;
 }
@@ -309,9 +309,9 @@ static int quality_of(PyObject *quality, pl_frame_request *out) {
       get_int(quality, "texture_filter", &out->texture_filter) < 0 ||
       get_double(quality, "tolerance_dn", &out->wish.tolerance_dn) < 0)
     return -1;
-  if (parse_mask(quality, "force_on", &out->wish.force_on) < 0)
+  if (parse_set(quality, "force_on", &out->wish.force_on) < 0)
     return -1;
-  return parse_mask(quality, "force_off", &out->wish.force_off);
+  return parse_set(quality, "force_off", &out->wish.force_off);
 }
 
 static int parse_quality(PyObject *dict, pl_frame_request *out) {

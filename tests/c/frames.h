@@ -90,11 +90,35 @@ static inline pl_frame_result render(pl_renderer *renderer, const pl_frame_reque
   return result;
 }
 
-static inline uint64_t effect_bit(const char *name) {
+static inline void add_effect(pl_effect_set *set, const char *name) {
   const int index = pl_effect_find(name);
   assert_true(index >= 0);
-  return UINT64_C(1) << index;
+  pl_effect_set_add(set, (size_t)index);
 }
-static inline uint64_t all_effects(void) { return (UINT64_C(1) << pl_effect_count) - 1; }
+static inline pl_effect_set no_effects(void) { return (pl_effect_set){0}; }
+static inline pl_effect_set one_effect(const char *name) {
+  pl_effect_set set = {0};
+  add_effect(&set, name);
+  return set;
+}
+static inline pl_effect_set two_effects(const char *name, const char *other) {
+  pl_effect_set set = one_effect(name);
+  add_effect(&set, other);
+  return set;
+}
+static inline pl_effect_set effects_without(pl_effect_set set, pl_effect_set left_out) {
+  for (size_t i = 0; i < sizeof set.words / sizeof set.words[0]; i++)
+    set.words[i] &= ~left_out.words[i];
+  return set;
+}
+static inline pl_effect_set all_effects(void) {
+  pl_effect_set set = {0};
+  for (size_t i = 0; i < pl_effect_count; i++)
+    pl_effect_set_add(&set, i);
+  return set;
+}
+static inline pl_effect_set all_effects_but(const char *name) {
+  return effects_without(all_effects(), one_effect(name));
+}
 
 #endif

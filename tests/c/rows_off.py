@@ -47,7 +47,7 @@ ROWS = {
     "black_sun": ("black_sun.c",),
     "compression": ("jpeg_write.c",),
     "filters": ("filters.c",),
-    "depth_of_field": ("focus.c",),
+    "depth_of_field": ("pl_image_confusion_m",),
     "motion_blur": ("slice.c",),
     "rolling_shutter": ("pl_moving_render",),
     "sub_cell_normals": ("sub_cell.c",),

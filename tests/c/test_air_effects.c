@@ -46,10 +46,10 @@ static void describe(const stage *s, const pl_plan *plan) {
 }
 
 /* Of the rows that were not forced to the same. */
-static double allowance(const pl_plan *plan, uint64_t same, double tolerance_dn) {
+static double allowance(const pl_plan *plan, const pl_effect_set *same, double tolerance_dn) {
   double sum = 3.0 * tolerance_dn; /* culling, for each entity */
   for (size_t i = 0; i < plan->count; i++)
-    if ((same >> i & 1u) == 0)
+    if (!pl_effect_set_has(same, i))
       sum += left_out_dn(&plan->rows[i]);
   return sum;
 }
@@ -58,13 +58,13 @@ static void compare(const stage *s, double tolerance_dn) {
   static statistic full, planned;
   pl_renderer *renderer;
   assert_int_equal(pl_renderer_create(&s->scene, &renderer), PL_OK);
-  const uint64_t airs =
-      effect_bit("atmosphere") | effect_bit("skylight") | effect_bit("multiple_scattering");
+  pl_effect_set others = effects_without(all_effects(), two_effects("atmosphere", "skylight"));
+  others = effects_without(others, one_effect("multiple_scattering"));
   asked asked = {SAMPLES, PL_FILTER_FINEST, {.force_on = all_effects()}};
   measure(s, renderer, asked, &full);
-  asked.wish = (pl_plan_wish){.tolerance_dn = tolerance_dn, .force_on = all_effects() & ~airs};
+  asked.wish = (pl_plan_wish){.tolerance_dn = tolerance_dn, .force_on = others};
   const pl_frame_result result = measure(s, renderer, asked, &planned);
-  const double allowed = allowance(&result.plan, all_effects() & ~airs, tolerance_dn);
+  const double allowed = allowance(&result.plan, &others, tolerance_dn);
   const double found = excess(&full, &planned, allowed);
   for (size_t i = 0; i < result.plan.count; i++)
     dropped[i] += result.plan.rows[i].value == 0 && result.plan.rows[i].bound_dn > 0.0;

@@ -199,8 +199,8 @@ static void test_bound(void **state) {
     stage_add_body(&s, (pl_vec3){2e6, 0, 1e7}, (pl_vec3){1.5e6, 1.5e6, 1.5e6}, 0.5f);
     film_init(&with, &s);
     film_init(&without, &s);
-    const pl_plan_wish forced = {.force_on = effect_bit("sky_background")};
-    const pl_plan_wish off = {.force_off = effect_bit("sky_background")};
+    const pl_plan_wish forced = {.force_on = one_effect("sky_background")};
+    const pl_plan_wish off = {.force_off = one_effect("sky_background")};
     render_sky(&s, &sky, white, forced, 1, &with);
     const pl_frame_result result = render_sky(&s, &sky, white, off, 1, &without);
     const double bound = result.plan.rows[pl_effect_find("sky_background")].bound_dn;

@@ -67,7 +67,7 @@ static found rendered(const world *w, int samples, bool table, int threads, film
   request.max_bounces = 1;
   request.threads = threads;
   request.wish = (pl_plan_wish){.tolerance_dn = w->tolerance_dn,
-                                .force_off = table ? 0 : effect_bit("caustics")};
+                                .force_off = table ? no_effects() : one_effect("caustics")};
   assert_int_equal(pl_renderer_create(&w->s.scene, &renderer), PL_OK);
   render(renderer, &request);
   found out = {0.0, 0.0};

@@ -39,10 +39,10 @@ static void build(stage *s, const pl_model *model, pl_air **air, test_random *ra
 }
 
 /* Of the rows that were not forced to the same. */
-static double allowance(const pl_plan *plan, uint64_t same, double tolerance_dn) {
+static double allowance(const pl_plan *plan, const pl_effect_set *same, double tolerance_dn) {
   double sum = 3.0 * tolerance_dn; /* culling, for each entity */
   for (size_t i = 0; i < plan->count; i++)
-    if ((same >> i & 1u) == 0)
+    if (!pl_effect_set_has(same, i))
       sum += left_out_dn(&plan->rows[i]);
   return sum;
 }
@@ -53,12 +53,12 @@ static void compare(const stage *s, double tolerance_dn) {
   static statistic full, planned;
   pl_renderer *renderer;
   assert_int_equal(pl_renderer_create(&s->scene, &renderer), PL_OK);
-  const uint64_t others = all_effects() & ~effect_bit("clouds");
+  const pl_effect_set others = all_effects_but("clouds");
   asked asked = {SAMPLES, PL_FILTER_FINEST, {.force_on = all_effects()}};
   const pl_frame_result best = measure(s, renderer, asked, &full);
   asked.wish = (pl_plan_wish){.tolerance_dn = tolerance_dn, .force_on = others};
   const pl_frame_result result = measure(s, renderer, asked, &planned);
-  const double allowed = allowance(&result.plan, others, tolerance_dn);
+  const double allowed = allowance(&result.plan, &others, tolerance_dn);
   const double found = excess(&full, &planned, allowed);
   const int row = pl_effect_find("clouds");
   const pl_plan_row *chosen = &result.plan.rows[row];

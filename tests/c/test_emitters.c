@@ -38,7 +38,7 @@ static pl_model *ground_create(double half) {
   return model;
 }
 
-static film shoot(const stage *s, int samples, int max_bounces, uint64_t on, uint64_t off,
+static film shoot(const stage *s, int samples, int max_bounces, pl_effect_set on, pl_effect_set off,
                   pl_plan *plan) {
   film f;
   pl_renderer *renderer;
@@ -130,7 +130,8 @@ static void test_lamp_on_a_plane(void **state) {
   dark_stage(&s, 20.0);
   stage_add_object(&s, lamp, LAMP_AT, PL_QUAT_IDENTITY, 1.0);
   stage_add_object(&s, ground, (pl_vec3){0, 0, GROUND_Z}, PL_QUAT_IDENTITY, 1.0);
-  film drawn = shoot(&s, 256, 0, 0, 0, NULL), both = shoot(&s, 256, 1, all_effects(), 0, NULL);
+  film drawn = shoot(&s, 256, 0, no_effects(), no_effects(), NULL),
+       both = shoot(&s, 256, 1, all_effects(), no_effects(), NULL);
   check_image("lamp, drawn", &drawn, &s, lamp_on_ground, 0.03, 1e-3);
   check_image("lamp, drawn and met", &both, &s, lamp_on_ground, 0.03, 1e-3);
   film_clear(&drawn);
@@ -147,15 +148,15 @@ static void test_row_decides(void **state) {
   pl_plan plan;
   dark_stage(&s, 20.0);
   stage_add_object(&s, ground, (pl_vec3){0, 0, GROUND_Z}, PL_QUAT_IDENTITY, 1.0);
-  film f = shoot(&s, 4, 2, 0, 0, &plan);
+  film f = shoot(&s, 4, 2, no_effects(), no_effects(), &plan);
   assert_int_equal(pl_plan_value(&plan, &pl_effect_emitters), 0);
   film_clear(&f);
   stage_add_object(&s, lamp, LAMP_AT, PL_QUAT_IDENTITY, 1.0);
-  f = shoot(&s, 4, 2, 0, 0, &plan);
+  f = shoot(&s, 4, 2, no_effects(), no_effects(), &plan);
   assert_int_equal(pl_plan_value(&plan, &pl_effect_emitters), 1); /* no body to be lit */
   assert_true(mean_of(&f) > 0.0);
   film_clear(&f);
-  f = shoot(&s, 4, 2, 0, effect_bit("emitters"), &plan);
+  f = shoot(&s, 4, 2, no_effects(), one_effect("emitters"), &plan);
   assert_int_equal(pl_plan_value(&plan, &pl_effect_emitters), 0);
   assert_true(mean_of(&f) == 0.0); /* nor is it met by chance */
   film_clear(&f);
@@ -199,7 +200,7 @@ static void test_lamp_on_metal(void **state) {
     dark_stage(&s, 20.0);
     stage_add_object(&s, lamp, LAMP_AT, PL_QUAT_IDENTITY, 1.0);
     stage_add_object(&s, ground, (pl_vec3){0, 0, GROUND_Z}, PL_QUAT_IDENTITY, 1.0);
-    film both = shoot(&s, PL_DRAWS(4096, 1024), 1, all_effects(), 0, NULL);
+    film both = shoot(&s, PL_DRAWS(4096, 1024), 1, all_effects(), no_effects(), NULL);
     check_image(i == 0 ? "glossy metal" : "rough metal", &both, &s, lamp_on_metal,
                 PL_DRAWS(0.06, 0.1), PL_DRAWS(4e-3, 0.015));
     film_clear(&both);
@@ -232,7 +233,8 @@ static void test_glowing_body(void **state) {
       &s, GLOWING_AT, (pl_vec3){GLOWING_RADIUS, GLOWING_RADIUS, GLOWING_RADIUS}, 0.0f);
   for (int k = 0; k < 3; k++)
     s.bodies[body].emission[k] = RADIANCE;
-  film drawn = shoot(&s, 256, 0, 0, 0, NULL), both = shoot(&s, 256, 1, all_effects(), 0, NULL);
+  film drawn = shoot(&s, 256, 0, no_effects(), no_effects(), NULL),
+       both = shoot(&s, 256, 1, all_effects(), no_effects(), NULL);
   check_image("glowing body, drawn", &drawn, &s, sphere_on_ground, 0.03, 1e-3);
   check_image("glowing body, drawn and met", &both, &s, sphere_on_ground, 0.03, 1e-3);
   film_clear(&drawn);
@@ -262,7 +264,7 @@ static void test_lamp_on_a_body(void **state) {
   stage_add_object(&s, lamp, LAMP_AT, PL_QUAT_IDENTITY, 1.0);
   stage_add_body(&s, (pl_vec3){0, 0, GROUND_Z + BODY_RADIUS},
                  (pl_vec3){BODY_RADIUS, BODY_RADIUS, BODY_RADIUS}, 0.5f);
-  film f = shoot(&s, 256, 1, 0, 0, &plan);
+  film f = shoot(&s, 256, 1, no_effects(), no_effects(), &plan);
   assert_int_equal(pl_plan_value(&plan, &pl_effect_emitters), 2);
   check_image("lamp on a body", &f, &s, lamp_on_body, 0.03, 1e-3);
   film_clear(&f);

@@ -44,7 +44,7 @@ static film shoot(const room *r, int samples, int max_bounces) {
   pl_frame_request request = request_all(&r->stage, &f);
   request.samples = samples;
   request.max_bounces = max_bounces;
-  request.wish = (pl_plan_wish){0.0, max_bounces > 0 ? all_effects() : 0, 0};
+  request.wish = (pl_plan_wish){0.0, max_bounces > 0 ? all_effects() : no_effects(), no_effects()};
   assert_int_equal(pl_renderer_create(&r->stage.scene, &renderer), PL_OK);
   render(renderer, &request);
   pl_renderer_destroy(renderer);

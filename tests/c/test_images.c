@@ -8,7 +8,7 @@
 
 static const double AU = 149597870700.0, SUN_RADIUS_M = 695700e3, SOLAR = 1361.0;
 
-static film shoot(const stage *s, int samples, int max_bounces, uint64_t force_on) {
+static film shoot(const stage *s, int samples, int max_bounces, pl_effect_set force_on) {
   film f;
   pl_renderer *renderer;
   film_init(&f, s);
@@ -64,7 +64,7 @@ static void check_sphere(double focal, double distance, double radius, pl_vec3 s
   const pl_vec3 center = {shift.x, shift.y, distance};
   s.placement.sun.position_m = pl_vec3_scale(pl_vec3_unit(sun), AU);
   stage_add_body(&s, center, (pl_vec3){radius, radius, radius}, 0.5f);
-  film films[2] = {shoot(&s, 256, 2, 0), shoot(&s, 256, 2, all_effects())};
+  film films[2] = {shoot(&s, 256, 2, no_effects()), shoot(&s, 256, 2, all_effects())};
   double flux[2] = {0.0}, expected_flux = 0.0, worst = 0.0;
   for (int y = 0; y < 40; y++)
     for (int x = y % PL_DRAWS(1, 3); x < 48; x += PL_DRAWS(1, 3)) {

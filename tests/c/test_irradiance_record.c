@@ -39,8 +39,8 @@ static void shoot(const pl_model *model, int samples, int bounces, bool even, ui
   request.samples = samples;
   request.max_bounces = bounces;
   request.exposure = (pl_exposure){.white_radiance = WHITE};
-  request.wish =
-      (pl_plan_wish){.tolerance_dn = 1.0, .force_on = even ? effect_bit("antialiasing") : 0};
+  request.wish = (pl_plan_wish){.tolerance_dn = 1.0,
+                                .force_on = even ? one_effect("antialiasing") : no_effects()};
   assert_int_equal(pl_renderer_create(&s.scene, &renderer), PL_OK);
   render(renderer, &request);
   memcpy(out->radiance, f.radiance, sizeof out->radiance);
@@ -148,8 +148,8 @@ static void shoot_rare(const pl_model *model, int samples, bool even, uint64_t i
   request.samples = samples;
   request.max_bounces = 1;
   request.exposure = (pl_exposure){.white_radiance = WHITE};
-  request.wish =
-      (pl_plan_wish){.tolerance_dn = 0.5, .force_on = even ? effect_bit("antialiasing") : 0};
+  request.wish = (pl_plan_wish){.tolerance_dn = 0.5,
+                                .force_on = even ? one_effect("antialiasing") : no_effects()};
   assert_int_equal(pl_renderer_create(&s.scene, &renderer), PL_OK);
   render(renderer, &request);
   memcpy(out->radiance, f.radiance, sizeof out->radiance);

@@ -83,8 +83,8 @@ static double largest(const statistic *a, const statistic *b) {
 static void compare(const world *w, pl_renderer *renderer, const char *name, const statistic *full,
                     tally *tally) {
   static statistic less;
-  asked asked = {SAMPLES, PL_FILTER_FINEST, {.force_on = all_effects() & ~effect_bit(name)}};
-  asked.wish.force_off = effect_bit(name);
+  asked asked = {SAMPLES, PL_FILTER_FINEST, {.force_on = all_effects_but(name)}};
+  asked.wish.force_off = one_effect(name);
   const pl_plan plan = measure(&w->stage, renderer, asked, &less).plan;
   const pl_plan_row *row = &plan.rows[pl_effect_find(name)];
   const double change = largest(full, &less);

@@ -44,9 +44,9 @@ static pl_frame_result take(room *r, int max_bounces, const char *off) {
   pl_frame_request request = request_all(&r->stage, &r->film);
   request.samples = 64;
   request.max_bounces = max_bounces;
-  request.wish.force_on = effect_bit("antialiasing");
+  request.wish.force_on = one_effect("antialiasing");
   if (off != NULL)
-    request.wish.force_off = effect_bit(off);
+    request.wish.force_off = one_effect(off);
   return render(r->renderer, &request);
 }
 

@@ -113,7 +113,7 @@ static void test_nothing(void **state) {
     s.scene.bodies[0].air = air;
     film_init(&with, &s);
     film_init(&without, &s);
-    const pl_plan_wish wish = {.tolerance_dn = 0.0, .force_on = effect_bit("clouds")};
+    const pl_plan_wish wish = {.tolerance_dn = 0.0, .force_on = one_effect("clouds")};
     shoot(&s, &without, wish);
     s.bodies[0].clouds = overcast(3e4, 0.0f);
     s.bodies[0].clouds.color[0] = s.bodies[0].clouds.color[1] = 0.0f;

@@ -45,7 +45,7 @@ static void test_stars_keep_their_light(void **state) {
     film_init(&f, &s);
     pl_frame_request request = request_all(&s, &f);
     request.sky = &sky;
-    request.wish.force_on = effect_bit("stars");
+    request.wish.force_on = one_effect("stars");
     assert_int_equal(pl_renderer_create(&s.scene, &renderer), PL_OK);
     const pl_frame_result result = render(renderer, &request);
     assert_true(pl_plan_value(&result.plan, &pl_effect_motion_blur) > 1);
@@ -86,8 +86,8 @@ static int ghost_of_sun(bool hidden) {
     request.sensor = &sensor;
     request.raw = raw[off];
     request.wish = (pl_plan_wish){.tolerance_dn = 0.5,
-                                  .force_on = off ? 0 : effect_bit("lens_flare"),
-                                  .force_off = off ? effect_bit("lens_flare") : 0};
+                                  .force_on = off ? no_effects() : one_effect("lens_flare"),
+                                  .force_off = off ? one_effect("lens_flare") : no_effects()};
     assert_int_equal(pl_renderer_create(&s.scene, &renderer), PL_OK);
     const pl_frame_result result = render(renderer, &request);
     assert_true(pl_plan_value(&result.plan, &pl_effect_motion_blur) > 1);

@@ -31,8 +31,8 @@ static double shoot(stage *s, double tolerance_dn, int samples) {
   request.samples = samples;
   request.max_bounces = 1;
   request.wish = (pl_plan_wish){.tolerance_dn = tolerance_dn,
-                                .force_on = effect_bit("antialiasing") | effect_bit("bounces"),
-                                .force_off = effect_bit("soft_sun")};
+                                .force_on = two_effects("antialiasing", "bounces"),
+                                .force_off = one_effect("soft_sun")};
   assert_int_equal(pl_renderer_create(&s->scene, &renderer), PL_OK);
   render(renderer, &request);
   double sum = 0.0;

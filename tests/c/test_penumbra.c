@@ -50,7 +50,7 @@ typedef struct shadow_case {
   const char *name;
   double caster_radius, caster_distance; /* m */
   bool on_body;                          /* the receiver is a large sphere instead of a mesh */
-  uint64_t force_on;
+  pl_effect_set force_on;
   bool limb; /* the disc darkens towards its edge */
 } shadow_case;
 
@@ -107,10 +107,10 @@ static film shoot(const shadow_case *c, stage *s, const pl_model *ground) {
   pl_frame_request request = request_all(s, &f);
   request.samples = 256;
   request.max_bounces = 0;
-  const uint64_t limb = effect_bit("limb_darkening");
-  request.wish = (pl_plan_wish){.tolerance_dn = 0.0,
-                                .force_on = c->force_on & ~(c->limb ? 0 : limb),
-                                .force_off = c->limb ? 0 : limb};
+  const pl_effect_set limb = one_effect("limb_darkening");
+  const pl_effect_set off = c->limb ? no_effects() : limb;
+  request.wish = (pl_plan_wish){
+      .tolerance_dn = 0.0, .force_on = effects_without(c->force_on, off), .force_off = off};
   assert_int_equal(pl_renderer_create(&s->scene, &renderer), PL_OK);
   render(renderer, &request);
   pl_renderer_destroy(renderer);
@@ -156,7 +156,7 @@ static void test_penumbra(void **state) {
   (void)state;
   pl_model *ground = square_create(300.0);
   ground->materials[0].lambert = true; /* Lambert */
-  const uint64_t all = all_effects();
+  const pl_effect_set all = all_effects();
   const shadow_case cases[] = {
       {"umbra on a mesh", 8.0, 1000.0, false, 0, false},
       {"annular on a mesh", 5.0, 1500.0, false, 0, false},

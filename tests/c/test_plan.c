@@ -75,10 +75,10 @@ static void test_threshold_is_inclusive(void **state) {
 
 static void test_forcing(void **state) {
   (void)state;
-  const pl_plan on = solve(1e-9, 8, (pl_plan_wish){.tolerance_dn = 1.0, .force_on = 0xf});
+  const pl_plan on = solve(1e-9, 8, (pl_plan_wish){.tolerance_dn = 1.0, .force_on = {{0xf}}});
   for (size_t i = 0; i < 4; i++)
     assert_int_equal(on.rows[i].value, i == 1 ? 1 : 8);
-  const pl_plan off = solve(1e9, 8, (pl_plan_wish){.tolerance_dn = 1.0, .force_off = 0xf});
+  const pl_plan off = solve(1e9, 8, (pl_plan_wish){.tolerance_dn = 1.0, .force_off = {{0xf}}});
   for (size_t i = 0; i < 4; i++) {
     assert_int_equal(off.rows[i].value, 0);
     assert_true(off.rows[i].cost_ms == 0.0);
@@ -90,12 +90,31 @@ static void test_forcing(void **state) {
 static void test_conflict(void **state) {
   (void)state;
   const pl_view view = {.samples = 4, .white_radiance = 1.0};
-  const pl_plan_wish wish = {.tolerance_dn = 1.0, .force_on = 2, .force_off = 2};
+  const pl_plan_wish wish = {.tolerance_dn = 1.0, .force_on = {{2}}, .force_off = {{2}}};
   pl_plan plan;
   assert_int_equal(pl_plan_solve(effects, 4, &view, &wish, &plan), PL_E_ARGUMENT);
   assert_non_null(strstr(pl_error_text(), "other"));
   assert_int_equal(pl_plan_solve(effects, PL_PLAN_ROWS_MAX + 1, &view, &(pl_plan_wish){0}, &plan),
                    PL_E_ARGUMENT);
+}
+
+/* The table may grow beyond the bits of a word: every row of the largest table that a plan holds is
+ * forced alone. */
+static void test_rows_beyond_one_word(void **state) {
+  (void)state;
+  const pl_view view = {.samples = 8, .white_radiance = 0.25};
+  const pl_effect *table[PL_PLAN_ROWS_MAX];
+  assert_true(PL_PLAN_ROWS_MAX > PL_EFFECT_WORD);
+  for (size_t i = 0; i < PL_PLAN_ROWS_MAX; i++)
+    table[i] = &counted;
+  for (size_t forced = 0; forced < PL_PLAN_ROWS_MAX; forced++) {
+    pl_plan plan;
+    pl_plan_wish wish = {.tolerance_dn = 1.0};
+    pl_effect_set_add(&wish.force_on, forced);
+    assert_int_equal(pl_plan_solve(table, PL_PLAN_ROWS_MAX, &view, &wish, &plan), PL_OK);
+    for (size_t i = 0; i < PL_PLAN_ROWS_MAX; i++)
+      assert_int_equal(plan.rows[i].value, i == forced ? 8 : 0);
+  }
 }
 
 static void test_absent(void **state) {
@@ -248,6 +267,7 @@ int main(void) {
       cmocka_unit_test(test_threshold_is_inclusive),
       cmocka_unit_test(test_forcing),
       cmocka_unit_test(test_conflict),
+      cmocka_unit_test(test_rows_beyond_one_word),
       cmocka_unit_test(test_absent),
       cmocka_unit_test(test_undefined_bound_is_kept),
       cmocka_unit_test(test_dn_is_an_upper_bound),

@@ -131,7 +131,7 @@ static void compare(const stage *s, double tolerance_dn) {
   assert_int_equal(pl_renderer_create(&s->scene, &renderer), PL_OK);
   asked asked = {SAMPLES, PL_FILTER_FINEST, {.force_on = all_effects()}};
   measure(s, renderer, asked, &full);
-  asked.wish = (pl_plan_wish){.tolerance_dn = tolerance_dn, .force_on = effect_bit("antialiasing")};
+  asked.wish = (pl_plan_wish){.tolerance_dn = tolerance_dn, .force_on = one_effect("antialiasing")};
   const pl_frame_result result = measure(s, renderer, asked, &planned);
   const double allowed = allowance(&result.plan, s, tolerance_dn);
   const double found = excess(&full, &planned, allowed);

@@ -102,8 +102,8 @@ static double rendered(const world *w, const char *off) {
   request.samples = SAMPLES;
   request.max_bounces = 1;
   request.exposure = (pl_exposure){.white_radiance = 1e-12};
-  request.wish = (pl_plan_wish){.force_on = effect_bit("antialiasing"),
-                                .force_off = off != NULL ? effect_bit(off) : 0};
+  request.wish = (pl_plan_wish){.force_on = one_effect("antialiasing"),
+                                .force_off = off != NULL ? one_effect(off) : no_effects()};
   assert_int_equal(pl_renderer_create(&s.scene, &renderer), PL_OK);
   render(renderer, &request);
   double sum = 0.0;

@@ -181,7 +181,7 @@ static void test_lit_by_another(void **state) {
   enum { FRAMES = PL_DRAWS(24, 6) };
   const double white = 150.0;
   const pl_plan_wish settled = {.tolerance_dn = 0.5};
-  const pl_plan_wish even = {.tolerance_dn = 0.5, .force_on = effect_bit("antialiasing")};
+  const pl_plan_wish even = {.tolerance_dn = 0.5, .force_on = one_effect("antialiasing")};
   float *truth = shoot(arrange_lit, 1, white, even, PL_DRAWS(1024, 256), 0);
   double sum = 0.0, true_sum = 0.0, square = 0.0;
   for (uint64_t frame = 0; frame < FRAMES; frame++) {
@@ -208,7 +208,7 @@ static void test_lit_by_rings(void **state) {
   const pl_rings_settings settings = {
       .count = 1, .edges_m = edges, .depth = &depth, .albedo = albedo};
   const pl_plan_wish settled = {.tolerance_dn = 0.5};
-  const pl_plan_wish even = {.tolerance_dn = 0.5, .force_on = effect_bit("antialiasing")};
+  const pl_plan_wish even = {.tolerance_dn = 0.5, .force_on = one_effect("antialiasing")};
   assert_int_equal(pl_rings_create(&settings, &rings), PL_OK);
   float *truth = shoot(arrange_rings, 1, white, even, 64, 0);
   double sums[2] = {0.0, 0.0};

@@ -48,7 +48,7 @@ static void take(shot *s, int samples) {
   pl_frame_request request = request_all(&s->stage, &s->film);
   request.samples = samples;
   request.max_bounces = 32;
-  request.wish.force_on = effect_bit("antialiasing") | effect_bit("bounces");
+  request.wish.force_on = two_effects("antialiasing", "bounces");
   assert_int_equal(pl_renderer_create(&s->stage.scene, &renderer), PL_OK);
   const pl_frame_result result = render(renderer, &request);
   assert_int_equal(result.plan.rows[pl_effect_find("transmission")].value, 1);

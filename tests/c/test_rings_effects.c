@@ -64,10 +64,10 @@ static void describe(const stage *s, const pl_plan *plan) {
 }
 
 /* Of the rows that were not forced to the same. */
-static double allowance(const pl_plan *plan, uint64_t same, double tolerance_dn) {
+static double allowance(const pl_plan *plan, const pl_effect_set *same, double tolerance_dn) {
   double sum = 3.0 * tolerance_dn; /* culling, for each entity */
   for (size_t i = 0; i < plan->count; i++)
-    if ((same >> i & 1u) == 0)
+    if (!pl_effect_set_has(same, i))
       sum += left_out_dn(&plan->rows[i]);
   return sum;
 }
@@ -76,12 +76,12 @@ static void compare(const stage *s, double tolerance_dn) {
   static statistic full, planned;
   pl_renderer *renderer;
   assert_int_equal(pl_renderer_create(&s->scene, &renderer), PL_OK);
-  const uint64_t own = effect_bit("rings");
+  const pl_effect_set others = all_effects_but("rings");
   asked asked = {SAMPLES, PL_FILTER_FINEST, {.force_on = all_effects()}};
   measure(s, renderer, asked, &full);
-  asked.wish = (pl_plan_wish){.tolerance_dn = tolerance_dn, .force_on = all_effects() & ~own};
+  asked.wish = (pl_plan_wish){.tolerance_dn = tolerance_dn, .force_on = others};
   const pl_frame_result result = measure(s, renderer, asked, &planned);
-  const double allowed = allowance(&result.plan, all_effects() & ~own, tolerance_dn);
+  const double allowed = allowance(&result.plan, &others, tolerance_dn);
   const double found = excess(&full, &planned, allowed);
   for (size_t i = 0; i < result.plan.count; i++)
     dropped[i] += result.plan.rows[i].value == 0 && result.plan.rows[i].bound_dn > 0.0;

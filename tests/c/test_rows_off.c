@@ -177,11 +177,11 @@ static void set_moving(stage *s) {
   s->placement.shutter = (pl_shutter){.exposure_s = 0.01, .line_s = 0.001};
 }
 
-static uint64_t mask_of(const row_off *row) {
-  uint64_t mask = row == NULL ? 0 : effect_bit(row->name);
+static pl_effect_set set_of(const row_off *row) {
+  pl_effect_set set = row == NULL ? no_effects() : one_effect(row->name);
   for (int i = 0; row != NULL && i < 2 && row->with[i] != NULL; i++)
-    mask |= effect_bit(row->with[i]);
-  return mask;
+    add_effect(&set, row->with[i]);
+  return set;
 }
 
 /* rows_off.py has callgrind dump at the end of this function: it must stay one. */
@@ -195,14 +195,14 @@ __attribute__((noinline)) static void rows_off_frame(const stage *s, pl_renderer
       .max_bounces = 1,
       .volume_steps = 4,
       .texture_filter = PL_FILTER_FINEST,
-      .wish = {.tolerance_dn = kind == MOVING ? 1.0 : 0.0, .force_off = mask_of(row)},
+      .wish = {.tolerance_dn = kind == MOVING ? 1.0 : 0.0, .force_off = set_of(row)},
       .exposure = {.white_radiance = 1361.0 / PL_PI},
       .threads = 1,
       .sensor = sensor,
       .raw = raw,
       .sensor_rgb = rgb};
   if (kind != MOVING) /* there the number of instants is the plan's */
-    request.wish.force_on = all_effects() & ~request.wish.force_off;
+    request.wish.force_on = effects_without(all_effects(), request.wish.force_off);
   const pl_frame_result result = render(renderer, &request);
   if (row != NULL)
     assert_int_equal(pl_plan_value(&result.plan, pl_effects[pl_effect_find(row->name)]), 0);

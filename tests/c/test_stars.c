@@ -114,8 +114,8 @@ static double pinhole_angle(int x, int y) {
          corner_angle(a.x, a.y);
 }
 
-static void render_sky(stage *s, const pl_sky *sky, uint64_t on, double tolerance_dn, int threads,
-                       film *f, pl_frame_result *result) {
+static void render_sky(stage *s, const pl_sky *sky, pl_effect_set on, double tolerance_dn,
+                       int threads, film *f, pl_frame_result *result) {
   pl_renderer *renderer;
   pl_frame_request request = request_all(s, f);
   assert_int_equal(pl_renderer_create(&s->scene, &renderer), PL_OK);
@@ -194,7 +194,7 @@ static void test_edge_and_behind(void **state) {
     const pl_star star = star_at(cases[i].direction, 2e-3, 7);
     pl_star_catalogue *catalogue = catalogue_of(&star, 1);
     const pl_sky sky = {.stars = catalogue};
-    render_sky(&s, &sky, effect_bit("stars"), 0.5, 1, &f, &result);
+    render_sky(&s, &sky, one_effect("stars"), 0.5, 1, &f, &result);
     for (int k = 0; k < WIDTH * HEIGHT; k++)
       energy += (double)f.radiance[3 * k + 1] * pinhole_angle(k % WIDTH, k / WIDTH);
     assert_true(fabs(energy / 2e-3 - cases[i].share) < 1e-6);
@@ -270,7 +270,7 @@ static void test_bound(void **state) {
     pl_frame_request request = request_all(&s, &all);
     request.sky = &sky;
     request.exposure.white_radiance = pow(10.0, 0.4 * k - 1.0);
-    request.wish = (pl_plan_wish){.force_on = effect_bit("stars")};
+    request.wish = (pl_plan_wish){.force_on = one_effect("stars")};
     result = render(renderer, &request);
     const size_t full = result.star_count;
     request = request_all(&s, &planned);

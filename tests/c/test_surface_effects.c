@@ -146,8 +146,8 @@ static void compare(const world *w, pl_renderer *renderer, const char *name, int
   if (value > 0) {
     asked.texture_filter = value;
   } else {
-    asked.wish.force_on &= ~effect_bit(name);
-    asked.wish.force_off = effect_bit(name);
+    asked.wish.force_on = all_effects_but(name);
+    asked.wish.force_off = one_effect(name);
   }
   const pl_frame_result result = measure(&w->stage, renderer, asked, &less);
   const pl_plan_row *row = &result.plan.rows[pl_effect_find(name)];

@@ -47,11 +47,11 @@ static void test_wall_behind_slab(void **state) {
   s.placement.volume_count = 1;
   film_init(&f, &s);
   const size_t middle = 12;
-  shoot(&s, &f, (pl_plan_wish){.force_off = effect_bit("volumes")});
+  shoot(&s, &f, (pl_plan_wish){.force_off = one_effect("volumes")});
   const double bare = (double)f.radiance[3 * middle];
   const float *depth = film_channel(&f, "depth");
   near((double)depth[middle], 100.0, 1e-5);
-  shoot(&s, &f, (pl_plan_wish){.tolerance_dn = 0.0, .force_off = effect_bit("bounces")});
+  shoot(&s, &f, (pl_plan_wish){.tolerance_dn = 0.0, .force_off = one_effect("bounces")});
   const double back = 1361.0 / (4.0 * PL_PI) * 0.5 * (1.0 - exp(-1.6));
   near((double)f.radiance[3 * middle], bare * exp(-1.6) + back, 2e-3);
   near((double)depth[middle], 100.0, 1e-5);
@@ -105,7 +105,7 @@ static void test_a_glow_is_emission(void **state) {
   film_init(&f, &s);
   shoot(&s, &f, (pl_plan_wish){.tolerance_dn = 0.0});
   near((double)f.radiance[3 * 12 + 1], 3.0 * (4.0 + 3.0), 1e-4);
-  shoot(&s, &f, (pl_plan_wish){.tolerance_dn = 0.0, .force_off = effect_bit("emission")});
+  shoot(&s, &f, (pl_plan_wish){.tolerance_dn = 0.0, .force_off = one_effect("emission")});
   for (size_t k = 0; k < 3 * f.pixels; k++)
     assert_true(f.radiance[k] == 0.0f);
   film_clear(&f);
@@ -157,7 +157,7 @@ static void test_glow_on_a_body(void **state) {
   film_init(&f, &s);
   for (int k = 0; k < 2; k++) {
     shoot(&s, &f,
-          (pl_plan_wish){.tolerance_dn = 0.5, .force_on = k == 0 ? all_effects() : UINT64_C(0)});
+          (pl_plan_wish){.tolerance_dn = 0.5, .force_on = k == 0 ? all_effects() : no_effects()});
     for (size_t i = 0; i < f.pixels; i++)
       sums[k] += (double)f.radiance[3 * i] / (double)f.pixels;
   }
@@ -279,8 +279,8 @@ static void test_row_stays_below_its_bound(void **state) {
     assert_int_equal(pl_renderer_create(&w.stage.scene, &renderer), PL_OK);
     asked asked = {SAMPLES, PL_FILTER_FINEST, {.force_on = all_effects()}};
     measure(&w.stage, renderer, asked, &full);
-    asked.wish.force_on &= ~effect_bit("volumes");
-    asked.wish.force_off = effect_bit("volumes");
+    asked.wish.force_on = all_effects_but("volumes");
+    asked.wish.force_off = one_effect("volumes");
     const pl_frame_result result = measure(&w.stage, renderer, asked, &less);
     const pl_plan_row *row = &result.plan.rows[pl_effect_find("volumes")];
     const double found = excess(&full, &less, row->residual_dn);
