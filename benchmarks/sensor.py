@@ -53,7 +53,7 @@ SPREADS = {
 }
 LENS = {"model": "brown_conrady", "k1": -0.1, "k2": 0.02}
 GLOW = {"bodies.planet.emission_w_m2_sr": [3.0, 2.0, 1.0]}
-LIGHTS = ("soft_sun", "limb_darkening", "cast_shadows", "emission", "emitters", "distortion")
+LIGHTS = ("soft_sun", "limb_darkening", "cast_shadows", "emitted_light", "emitters", "distortion")
 LABEL_AT = {"narrow spread": (-70, 3), "shot_noise": (-50, 3), "compression": (5, 5),
             "black_sun": (5, -8)}  # fmt: skip
 """Where names stand from their points, if not as the others."""

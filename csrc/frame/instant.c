@@ -126,7 +126,7 @@ static pl_status add_air(const pl_choice *choice, pl_arena *arena, pl_instant *o
 static pl_status add_media(const pl_choice *choice, pl_arena *arena, pl_instant *out) {
   bool any;
   PL_TRY(pl_media_build(&out->shot, choice->media, out->settings.air, arena, &out->media, &any));
-  out->media.emission = choice->settings.effects.emission > 0;
+  out->media.emitted_light = choice->settings.effects.emitted_light > 0;
   out->settings.media = any ? &out->media : NULL;
   return PL_OK;
 }

@@ -19,7 +19,7 @@
   X(clouds) \
   X(rings) \
   X(volumes) \
-  X(emission) \
+  X(emitted_light) \
   X(emitters) \
   X(bounces) \
   X(body_bounces) \

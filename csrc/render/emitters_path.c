@@ -18,7 +18,7 @@ static bool drawn_on(const pl_render_settings *settings, bool on_body) {
 float pl_emitters_met(const pl_path_context *context, const pl_path *path, const pl_ray *ray,
                       const pl_vertex *vertex) {
   if (isinf(path->pdf))
-    return context->settings->effects.emission ? 1.0f : 0.0f;
+    return context->settings->effects.emitted_light ? 1.0f : 0.0f;
   if (!drawn_on(context->settings, ray->skip_body != PL_NO_BODY))
     return 0.0f;
   const pl_vec3f direction = pl_vec3_to_float(path->beam.direction);

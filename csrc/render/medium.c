@@ -33,7 +33,7 @@ void pl_medium_list_add(pl_medium_list *list, const pl_medium_crossing *crossing
 
 pl_status pl_media_build(const pl_snapshot *shot, const int *values, const pl_air_view *air,
                          pl_arena *arena, pl_media *out, bool *any) {
-  *out = (pl_media){.air = air, .subpixel = PL_NO_BODY, .emission = true};
+  *out = (pl_media){.air = air, .subpixel = PL_NO_BODY, .emitted_light = true};
   *any = false;
   for (size_t k = 0; k < pl_medium_kind_count; k++) {
     if (values[k] > 0)

@@ -234,7 +234,7 @@ static bool seen_light(const pl_path_context *context, uint32_t pixel, const pl_
                                                     vertex->position, sun, (float)footprint_m));
   if (settings->air != NULL)
     light = pl_air_ground_light(context, pixel, vertex, light, (float)footprint_m, b);
-  if (settings->effects.emission)
+  if (settings->effects.emitted_light)
     light = pl_vec3f_add(light, vertex->surface.emission);
   return see_through(context, pixel, vertex, light, b);
 }

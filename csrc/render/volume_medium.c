@@ -44,7 +44,7 @@ static void cross(const pl_media *media, const void *own, const pl_snapshot *sho
       .spread = ray->beam->spread,
       .t_max = ray->t_max,
       .camera = ray->camera,
-      .unlit = ray->camera && !media->emission,
+      .unlit = ray->camera && !media->emitted_light,
       .sun = ray->dark ? NULL : sun_at,
       .context = &p,
   };

@@ -162,7 +162,7 @@ static void compare(const world *w, pl_renderer *renderer, const char *name, int
 
 static void test_each_row_stays_below_its_bound(void **state) {
   (void)state;
-  static const char *const names[] = {"emission", "bump_detail", "texture_filter"};
+  static const char *const names[] = {"emitted_light", "bump_detail", "texture_filter"};
   static statistic full;
   test_random random = {.seed = 96};
   tally tallies[3] = {{0}};

@@ -105,7 +105,7 @@ static void test_a_glow_is_emission(void **state) {
   film_init(&f, &s);
   shoot(&s, &f, (pl_plan_wish){.tolerance_dn = 0.0});
   near((double)f.radiance[3 * 12 + 1], 3.0 * (4.0 + 3.0), 1e-4);
-  shoot(&s, &f, (pl_plan_wish){.tolerance_dn = 0.0, .force_off = one_effect("emission")});
+  shoot(&s, &f, (pl_plan_wish){.tolerance_dn = 0.0, .force_off = one_effect("emitted_light")});
   for (size_t k = 0; k < 3 * f.pixels; k++)
     assert_true(f.radiance[k] == 0.0f);
   film_clear(&f);

@@ -159,7 +159,7 @@ def test_lights_come_on_in_twilight(tmp_path: Path, elevation_deg: float) -> Non
     np.testing.assert_allclose(frame["radiance"], expected, rtol=1e-3, atol=1e-7)
 
 
-@pytest.mark.parametrize("row", ["night_lights", "emission"])
+@pytest.mark.parametrize("row", ["night_lights", "emitted_light"])
 def test_lights_go_out_with_their_rows(tmp_path: Path, row: str) -> None:
     lights = _core.Map(saved(tmp_path, "white", np.ones((1, 1))))
     _, frame = seen(

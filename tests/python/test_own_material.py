@@ -47,7 +47,7 @@ def test_a_material_as_it_is() -> None:
     close = np.abs(plain[0]["rgb"].astype(int) - graph[0]["rgb"])
     assert close.max() <= 1
     bounds = [{row["name"]: row["bound_dn"] for row in sim.plan(0)} for sim in (plain, graph)]
-    for name in ("emission", "emitters", "body_bounces", "bump_detail"):
+    for name in ("emitted_light", "emitters", "body_bounces", "bump_detail"):
         assert bounds[0][name] == bounds[1][name]
 
 

@@ -1,4 +1,4 @@
-/* The effect row `emission`: emitted light that the camera sees directly. */
+/* The effect row `emitted_light`: emitted light that the camera sees directly. */
 #include "plan/effects.h"
 
 /* Largest emitted radiance along a ray: of a surface plus all volumes in front of it. */
@@ -25,8 +25,8 @@ static double cost_ms(const pl_view *view, int value) {
   return 1e-6 * view->width * view->height * view->samples;
 }
 
-const pl_effect pl_effect_emission = {
-    .name = "emission",
+const pl_effect pl_effect_emitted_light = {
+    .name = "emitted_light",
     .doc = "Emitted light of surfaces, bodies and volumes as seen by the camera; off: they "
            "appear unlit, but may still light other things",
     .absent = absent,
