@@ -1,6 +1,8 @@
 /* Projection of bounding boxes, and tests of which objects can occlude which. */
 #include "annotate/outline.h"
 
+#include "annotate/hiders.h"
+
 /* Step in pixels of the search that bounds boxes which cross the camera plane. */
 enum { STEP = 16 };
 
@@ -157,39 +159,22 @@ static void set_depths(const float *low, const float *high, pl_outline *out) {
   out->far_m += room;
 }
 
-/* In front of the camera a ray that meets both first meets the one with the smaller depth. */
-static bool object_hides(const pl_camera *camera, const pl_outline *other,
-                         const pl_outline *outline) {
-  const pl_rect a = other->rect, b = outline->rect;
-  const bool nearer = other->z0_m <= outline->z1_m || camera->lens.limit_rad > 0.5 * PL_PI;
-  return nearer && a.x0 <= b.x1 && a.x1 >= b.x0 && a.y0 <= b.y1 && a.y1 >= b.y0;
-}
-
-static bool body_hides(const pl_shot_body *body, const pl_shot_object *object,
-                       const pl_outline *outline) {
-  const double distance = pl_vec3_norm(object->center);
-  if (!body->in_frame || pl_vec3_norm(body->center) - body->outer_m > outline->far_m)
-    return false;
-  return distance <= object->radius_m ||
-         pl_sphere_in_cone(body->center, body->outer_m, pl_vec3_unit(object->center),
-                           asin(object->radius_m / distance) + 1e-6);
-}
-
-static bool is_whole(const pl_snapshot *shot, size_t index, const pl_outline *outlines) {
-  const pl_rect r = outlines[index].rect;
+static bool is_whole(pl_hiders *hiders, size_t index) {
+  const pl_snapshot *shot = hiders->shot;
+  const pl_rect r = hiders->outlines[index].rect;
   const bool inside =
       r.x0 >= 0 && r.y0 >= 0 && r.x1 < shot->rays.camera.width && r.y1 < shot->rays.camera.height;
   if (r.x0 > r.x1)
     return true;
-  if (!inside || !shot->objects[index].in_frame)
-    return false;
+  return inside && shot->objects[index].in_frame && !pl_hiders_any(hiders, index);
+}
+
+static pl_status find_whole(const pl_snapshot *shot, pl_arena *arena, pl_outline *outlines) {
+  pl_hiders hiders;
+  PL_TRY(pl_hiders_build(shot, outlines, arena, &hiders));
   for (size_t i = 0; i < shot->object_count; i++)
-    if (i != index && object_hides(&shot->rays.camera, &outlines[i], &outlines[index]))
-      return false;
-  for (size_t i = 0; i < shot->body_count; i++)
-    if (body_hides(&shot->bodies[i], &shot->objects[index], &outlines[index]))
-      return false;
-  return true;
+    outlines[i].whole = is_whole(&hiders, i);
+  return PL_OK;
 }
 
 static void widen(pl_rect *all, pl_rect r) {
@@ -338,7 +323,8 @@ pl_outline pl_outline_of_body(const pl_snapshot *shot, const pl_shot_body *body)
   return out;
 }
 
-pl_status pl_outline_build(const pl_snapshot *shot, pl_cluster_cache *cache, pl_outline *outlines) {
+pl_status pl_outline_build(const pl_snapshot *shot, pl_cluster_cache *cache, pl_arena *arena,
+                           pl_outline *outlines) {
   const size_t count = shot->object_count;
   pl_outline *next = outlines + count;
   for (size_t i = 0; i < count; i++) {
@@ -351,12 +337,9 @@ pl_status pl_outline_build(const pl_snapshot *shot, pl_cluster_cache *cache, pl_
       set_box(&shot->rays.camera, &outlines[i]);
     }
   }
-  for (size_t i = 0; i < count; i++)
-    outlines[i].whole = is_whole(shot, i, outlines);
+  PL_TRY(find_whole(shot, arena, outlines));
   for (size_t i = 0; i < count; i++)
     if (!outlines[i].whole && has_label(shot, i))
       PL_TRY(refine_object(&shot->rays.camera, cache, &outlines[i]));
-  for (size_t i = 0; i < count; i++)
-    outlines[i].whole = is_whole(shot, i, outlines);
-  return PL_OK;
+  return find_whole(shot, arena, outlines);
 }

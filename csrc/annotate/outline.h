@@ -45,8 +45,10 @@ static inline const pl_outline *pl_outline_pieces(const pl_outline *outline, siz
  * object projects on the same pixels with a box that begins nearer than the far end of this one. No
  * body intersects the cone of the object's bounding sphere with a bounding sphere that begins
  * nearer than the object's farthest corner. Then neither the border of the image nor another object
- * or body can hide a pixel of it. An object that does not project on the canvas is whole too. */
-pl_status pl_outline_build(const pl_snapshot *shot, pl_cluster_cache *cache, pl_outline *outlines);
+ * or body can hide a pixel of it. An object that does not project on the canvas is whole too.
+ * Others are searched for by trees (hiders.h), in `arena`. */
+pl_status pl_outline_build(const pl_snapshot *shot, pl_cluster_cache *cache, pl_arena *arena,
+                           pl_outline *outlines);
 
 /* Outline of some parts of an object (see pl_solo_set_parts), from that of all of it; never whole.
  * `boxes`: room for one per piece of the object, or for one; `pieces` likewise. */

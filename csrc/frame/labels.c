@@ -41,7 +41,7 @@ static pl_status prepare_silhouettes(pl_label_tools *tools, pl_arena *arena, pl_
   void *memory;
   PL_TRY(take(arena, pl_outline_count(out->shot), sizeof(pl_outline), &memory));
   out->outlines = memory;
-  PL_TRY(pl_outline_build(out->shot, &tools->clusters, out->outlines));
+  PL_TRY(pl_outline_build(out->shot, &tools->clusters, arena, out->outlines));
   bool needed = out->request->masks != NULL || out->request->group_labels != NULL ||
                 out->first_body != PL_EXTENT_NO_BODIES;
   for (size_t i = 0; i < out->shot->craft_count; i++)

@@ -1,6 +1,8 @@
 /* Selection of the bodies that are sampled, the fraction of draws for each, and the sampling. */
 #include "render/planetshine.h"
 
+#include <stdlib.h>
+
 #include "math/color.h"
 #include "render/body_albedo.h"
 #include "render/render.h"
@@ -88,9 +90,35 @@ typedef struct place {
   int own; /* index of the body if it is one, or -1 */
 } place;
 
-static ranking rank_bodies(const pl_planetshine *p, const place *at) {
+static int by_index(const void *a, const void *b) {
+  const uint32_t i = *(const uint32_t *)a, j = *(const uint32_t *)b;
+  return i < j ? -1 : i > j;
+}
+
+/* Lists, by index, the bodies that may be visible: none of a group is nearer than their sphere. */
+static size_t list_visible(pl_planetshine *p, const place *at) {
+  const pl_sphere_tree *tree = &p->shot->body_tree;
+  size_t count = 0;
+  for (size_t k = 0; k < tree->count;) {
+    const pl_sphere *node = &tree->nodes[k];
+    const double away = pl_vec3_norm(pl_vec3_sub(node->center, at->center)) - at->radius_m;
+    const double gap = node->item != PL_INNER_NODE ? away : away - node->radius_m;
+    const double most = 1.001 * (double)p->strength[k] / (gap * gap);
+    const bool enters = !(gap > 0.0) || most > (double)(INVISIBLE * p->white);
+    p->steps++;
+    if (enters && node->item != PL_INNER_NODE)
+      p->found[count++] = node->item;
+    k = pl_sphere_next(tree, k, enters);
+  }
+  qsort(p->found, count, sizeof *p->found, by_index);
+  return count;
+}
+
+static ranking rank_bodies(pl_planetshine *p, const place *at) {
   ranking out = {.count = 0};
-  for (size_t i = 0; i < p->shot->body_count; i++) {
+  const size_t count = list_visible(p, at);
+  for (size_t k = 0; k < count; k++) {
+    const size_t i = p->found[k];
     const pl_shot_body *body = &p->shot->bodies[i];
     const double gap = pl_vec3_norm(pl_vec3_sub(body->center, at->center)) - at->radius_m;
     const double sine = body->radius_m / fmax(gap, body->radius_m);
@@ -187,6 +215,19 @@ static void fill_skies(pl_planetshine *p, const pl_render_settings *settings) {
   }
 }
 
+/* A node follows the one above it. */
+static void set_strengths(pl_planetshine *p) {
+  const pl_sphere_tree *tree = &p->shot->body_tree;
+  for (size_t k = tree->count; k-- > 0;) {
+    const pl_sphere *node = &tree->nodes[k];
+    p->strength[k] = 0.0f;
+    if (node->item != PL_INNER_NODE)
+      p->strength[k] = p->radiance[node->item] * (float)(node->radius_m * node->radius_m);
+    for (size_t i = k + 1; i < node->after; i = tree->nodes[i].after)
+      p->strength[k] = pl_maxf(p->strength[k], p->strength[i]);
+  }
+}
+
 pl_status pl_planetshine_build(const pl_snapshot *shot, const pl_render_settings *settings,
                                pl_arena *arena, pl_planetshine *out) {
   const size_t entities = shot->object_count + shot->body_count;
@@ -195,10 +236,13 @@ pl_status pl_planetshine_build(const pl_snapshot *shot, const pl_render_settings
       .white = settings->white_radiance,
       .suns = pl_arena_alloc(arena, shot->body_count, sizeof *out->suns),
       .radiance = pl_arena_alloc(arena, shot->body_count, sizeof *out->radiance),
+      .strength = pl_arena_alloc(arena, shot->body_tree.count, sizeof *out->strength),
+      .found = pl_arena_alloc(arena, shot->body_count, sizeof *out->found),
       .looks = pl_arena_alloc(arena, LOOKS, sizeof *out->looks),
       .skies = pl_arena_alloc(arena, entities, sizeof *out->skies),
   };
-  if (out->suns == NULL || out->radiance == NULL || out->looks == NULL || out->skies == NULL)
+  if (out->suns == NULL || out->radiance == NULL || out->strength == NULL || out->found == NULL ||
+      out->looks == NULL || out->skies == NULL)
     return pl_fail(PL_E_MEMORY, "out of memory for the light of %zu bodies", shot->body_count);
   for (size_t i = 0; i < shot->body_count; i++) {
     const pl_shot_body *body = &shot->bodies[i];
@@ -206,6 +250,7 @@ pl_status pl_planetshine_build(const pl_snapshot *shot, const pl_render_settings
     out->suns[i] = pl_vec3_sub(shot->sun.position, body->center);
     out->radiance[i] = mean_color(body) * sun / PL_PI_F;
   }
+  set_strengths(out);
   fill_skies(out, settings);
   return PL_OK;
 }

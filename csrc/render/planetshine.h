@@ -43,6 +43,11 @@ typedef struct pl_planetshine {
   size_t radiance_count;
   pl_planetshine_sky *skies; /* of each object and body */
   bool any;                  /* there is a body to sample from somewhere */
+  /* To find the bodies that are bright in a sky. Of each node of the snapshot's tree of bodies: the
+   * largest product of radiance and squared radius, W sr-1. */
+  float *strength;
+  uint32_t *found; /* body_count elements, scratch memory */
+  size_t steps;    /* nodes visited so far, which tests count */
 } pl_planetshine;
 
 /* Allocates from `arena`. Bodies whose light is far below white are not sampled, but only hit by

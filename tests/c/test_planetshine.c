@@ -8,6 +8,7 @@
 #include "geom/ellipsoid.h"
 #include "math/sampler.h"
 #include "math/sampling.h"
+#include "random.h"
 #include "render/planetshine.h"
 #include "scene/shot_frame.h"
 
@@ -275,11 +276,54 @@ static void test_noise(void **state) {
   }
 }
 
+/* Nodes of the tree of bodies that are visited for the skies of `count` moons, which are too small
+ * to light each other but for a few neighbours. */
+static size_t steps_of(size_t count) {
+  enum { MOST = 1000 };
+  static pl_body body;
+  static pl_body_state state;
+  static pl_shot_body bodies[MOST];
+  static pl_sphere leaves[MOST];
+  pl_arena arena;
+  pl_planetshine planetshine;
+  const pl_render_settings settings = {.white_radiance = 400.0f, .detail = PL_DETAIL_FULL};
+  pl_snapshot shot = {.bodies = bodies, .body_count = count};
+  test_random random = {.seed = 5};
+  const double side = 100.0 * cbrt((double)count);
+  body = (pl_body){.reflectance = &pl_reflectance_lambert};
+  state = (pl_body_state){.radii_m = {0.1, 0.1, 0.1}, .albedo = {0.5f, 0.5f, 0.5f}};
+  shot.sun = (pl_shot_sun){.position = {0, 0, AU}, .radius_m = 7e8, .irradiance_au = SOLAR};
+  for (size_t i = 0; i < count; i++) {
+    const pl_vec3 center = {random_range(&random, -side, side), random_range(&random, -side, side),
+                            random_range(&random, -side, side)};
+    bodies[i] = (pl_shot_body){.body = &body,
+                               .state = &state,
+                               .center = center,
+                               .radius_m = 0.1,
+                               .outer_m = 0.1,
+                               .rotation = pl_mat3_from_quat(PL_QUAT_IDENTITY),
+                               .bounced = true};
+    leaves[i] = (pl_sphere){.center = center, .radius_m = 0.1};
+  }
+  pl_arena_init(&arena);
+  assert_int_equal(pl_sphere_tree_build(&arena, leaves, count, &shot.body_tree), PL_OK);
+  assert_int_equal(pl_planetshine_build(&shot, &settings, &arena, &planetshine), PL_OK);
+  pl_arena_clear(&arena);
+  print_message("%zu bodies: %zu steps\n", count, planetshine.steps);
+  return planetshine.steps;
+}
+
+/* By pairs it would be a hundred times as many. */
+static void test_steps_grow_with_the_bodies(void **state) {
+  (void)state;
+  assert_true(steps_of(1000) < 35 * steps_of(100));
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_far_sphere),  cmocka_unit_test(test_near_sphere),
       cmocka_unit_test(test_two_spheres), cmocka_unit_test(test_off),
-      cmocka_unit_test(test_noise),
+      cmocka_unit_test(test_noise),       cmocka_unit_test(test_steps_grow_with_the_bodies),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

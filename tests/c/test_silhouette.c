@@ -336,7 +336,7 @@ static void bench_init(bench *b, const stage *s) {
       pl_extent_add(b->extents, PL_EXTENT_NO_BODIES, &point, 1, pixel);
     }
   pl_cluster_cache_init(&b->clusters);
-  assert_int_equal(pl_outline_build(&b->shot, &b->clusters, b->outlines), PL_OK);
+  assert_int_equal(pl_outline_build(&b->shot, &b->clusters, &b->arena, b->outlines), PL_OK);
   uint8_t *cells = pl_arena_alloc(&b->arena, pl_silhouette_cells(&b->shot.rays.camera), 1);
   assert_non_null(cells);
   b->job = (pl_silhouette_job){.shot = &b->shot,
