@@ -37,7 +37,7 @@ enum { PL_MEDIUM_KINDS_MAX = 8 };
 typedef struct pl_media {
   const struct pl_air_view *air; /* borrowed; NULL: none */
   uint32_t subpixel;             /* body whose sub-pixel image is being rendered, or PL_NO_BODY */
-  bool emitted_light; /* the camera sees what they emit */
+  bool emitted_light;            /* the camera sees what they emit */
   const void *own[PL_MEDIUM_KINDS_MAX]; /* by kind: what its `build` made; NULL: none */
 } pl_media;
 
