@@ -104,6 +104,14 @@ typedef struct builder {
   encoder color, alpha;
 } builder;
 
+static inline const float *table_of(const pl_mip_pyramid *p, int channel, int channels) {
+  return pl_mip_is_alpha(channel, channels) ? p->alpha_table : p->color_table;
+}
+
+static inline float texel_of(const source *from, const float *table, size_t at) {
+  return from->codes != NULL ? table[from->codes[at]] : from->linear[at];
+}
+
 static void average(const builder *b, const source *from, span xs, span ys, float *out) {
   const pl_mip_pyramid *p = b->pyramid;
   const int n = p->channels;
@@ -113,14 +121,58 @@ static void average(const builder *b, const source *from, span xs, span ys, floa
       const size_t texel =
           ((size_t)(ys.first + j) * (size_t)from->width + (size_t)(xs.first + i)) * (size_t)n;
       const float weight = xs.weight[i] * ys.weight[j];
-      for (int c = 0; c < n; c++) {
-        const float *table = pl_mip_is_alpha(c, n) ? p->alpha_table : p->color_table;
-        sum[c] += weight * (from->codes != NULL ? table[from->codes[texel + (size_t)c]]
-                                                : from->linear[texel + (size_t)c]);
-      }
+      for (int c = 0; c < n; c++)
+        sum[c] += weight * texel_of(from, table_of(p, c, n), texel + (size_t)c);
     }
   }
   memcpy(out, sum, (size_t)n * sizeof *out);
+}
+
+/* As average, to the bit, for the two by two texels from `texel` on. */
+static inline void average_of_four(const pl_mip_pyramid *p, const source *from, size_t texel, int n,
+                                   float *out) {
+  const size_t below = texel + (size_t)from->width * (size_t)n;
+  for (int c = 0; c < n; c++) {
+    const float *table = table_of(p, c, n);
+    const size_t k = (size_t)c, next = (size_t)(c + n);
+    out[c] = 0.25f * texel_of(from, table, texel + k) + 0.25f * texel_of(from, table, texel + next);
+    out[c] += 0.25f * texel_of(from, table, below + k);
+    out[c] += 0.25f * texel_of(from, table, below + next);
+  }
+}
+
+/* Averages a row of a level; `n`: channels, known when this is compiled, as `halved` is: both sides
+ * are half of the finer level's. */
+static inline void average_row(const builder *b, const source *from, int y, int width, int height,
+                               int n, bool halved, float *out) {
+  if (halved) {
+    const size_t first = 2 * (size_t)y * (size_t)from->width * (size_t)n;
+    for (int x = 0; x < width; x++)
+      average_of_four(b->pyramid, from, first + 2 * (size_t)x * (size_t)n, n, out + x * n);
+    return;
+  }
+  const span ys = span_of(y, from->height, height);
+  for (int x = 0; x < width; x++)
+    average(b, from, span_of(x, from->width, width), ys, out + x * n);
+}
+
+static void average_row_of(const builder *b, const source *from, int y, int width, int height,
+                           float *out) {
+  const bool halved = from->width == 2 * width && from->height == 2 * height;
+  switch (b->pyramid->channels) {
+  case 1:
+    average_row(b, from, y, width, height, 1, halved, out);
+    break;
+  case 2:
+    average_row(b, from, y, width, height, 2, halved, out);
+    break;
+  case 3:
+    average_row(b, from, y, width, height, 3, halved, out);
+    break;
+  default:
+    average_row(b, from, y, width, height, 4, halved, out);
+    break;
+  }
 }
 
 /* Fills one level (texels is NULL for a pyramid of floats) and its unrounded copy `linear`.
@@ -128,24 +180,22 @@ static void average(const builder *b, const source *from, span xs, span ys, floa
  * its position have been read. */
 static void build_level(const builder *b, const source *from, int width, int height,
                         uint8_t *texels, float *linear) {
-  const int n = b->pyramid->channels;
+  const pl_mip_pyramid *p = b->pyramid;
+  const size_t n = (size_t)p->channels, row = (size_t)width * n;
   float carry[4] = {0};
-  size_t next = 0;
-  for (int y = 0; y < height; y++) {
-    const span ys = span_of(y, from->height, height);
-    for (int x = 0; x < width; x++, next += (size_t)n) {
-      float value[4];
-      average(b, from, span_of(x, from->width, width), ys, value);
-      for (int c = 0; c < n; c++) {
-        linear[next + (size_t)c] = value[c];
-        if (texels == NULL)
-          continue;
-        const bool alpha = pl_mip_is_alpha(c, n);
-        texels[next + (size_t)c] = encode_carrying(
-            alpha ? &b->alpha : &b->color,
-            alpha ? b->pyramid->alpha_table : b->pyramid->color_table, value[c], &carry[c]);
+  for (int y = 0; y < height; y++, linear += row) {
+    average_row_of(b, from, y, width, height, linear);
+    if (texels == NULL)
+      continue;
+    for (size_t i = 0; i < row; i += n) {
+      for (size_t c = 0; c < n; c++) {
+        const bool alpha = pl_mip_is_alpha((int)c, (int)n);
+        texels[i + c] =
+            encode_carrying(alpha ? &b->alpha : &b->color, alpha ? p->alpha_table : p->color_table,
+                            linear[i + c], &carry[c]);
       }
     }
+    texels += row;
   }
 }
 

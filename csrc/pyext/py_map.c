@@ -169,6 +169,11 @@ static PyObject *get_size(PyObject *self, void *closure) {
   return Py_BuildValue("(ii)", width, height);
 }
 
+static PyObject *get_nbytes(PyObject *self, void *closure) {
+  (void)closure;
+  return PyLong_FromSize_t(pl_texture_bytes(((map_object *)self)->texture));
+}
+
 static PyObject *get_mean(PyObject *self, void *closure) {
   (void)closure;
   npy_intp shape[1] = {4};
@@ -222,6 +227,7 @@ static PyMethodDef map_methods[] = {
 static PyGetSetDef map_getset[] = {
     {"size", get_size, NULL, "(width, height), texels.", NULL},
     {"mean", get_mean, NULL, "(4,) mean linear RGBA.", NULL},
+    {"nbytes", get_nbytes, NULL, "Memory of its texels at all levels.", NULL},
     {NULL, NULL, NULL, NULL, NULL},
 };
 

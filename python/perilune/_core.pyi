@@ -282,6 +282,9 @@ class Map:
     @property
     def mean(self) -> F64:
         """(4,) mean linear RGBA."""
+    @property
+    def nbytes(self) -> int:
+        """Memory of its texels at all levels."""
     def columns(self) -> F64:
         """(width, 4) mean linear RGBA of each column, of up to 64 of its texels."""
 

@@ -225,9 +225,15 @@ def settings(given: Atmosphere, wavelengths_um: _Bands | None = None) -> _core.A
     }
 
 
+@lru_cache(maxsize=16)
+def _air(given: Atmosphere, wavelengths_um: _Bands | None, radius_m: float) -> _core.Air:
+    """Its tables take a fifth of a second; simulations of a process share them."""
+    return _core.Air(settings(given, wavelengths_um), radius_m)
+
+
 def air_of(config: Config, body: Body) -> _core.Air | None:
     """The atmosphere of a body of a configuration."""
     if body.atmosphere is None:
         return None
     radius_m = float(np.cbrt(np.prod(orbits.radii_m(body))))
-    return _core.Air(settings(body.atmosphere, config.sun.band_wavelengths_um), radius_m)
+    return _air(body.atmosphere, config.sun.band_wavelengths_um, radius_m)

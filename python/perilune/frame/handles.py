@@ -17,6 +17,7 @@ from perilune import _core
 from perilune.base.same import Same
 from perilune.bodies import atmospheres, ground, maps, photometry, rings, shapes
 from perilune.bodies.areas import Areas
+from perilune.bodies.map_cache import MAPS
 from perilune.config.body import Body
 from perilune.config.errors import ConfigError, origin
 from perilune.config.photometry import Photometry
@@ -387,20 +388,24 @@ class Handles:
         if text is None:
             return None
         path = self.document.path(text, f"bodies.{name}.{key}")
-        read = path, center_lon_deg, heights, *sorted(options.items())
-        if read not in self.assets.files:
+        options_key = center_lon_deg, heights, *sorted(options.items())
+        if (path, *options_key) not in self.assets.files:
+
+            def read() -> tuple[_core.Map, tuple[str, ...]]:
+                if heights is None:
+                    file = maps.picture(path, center_lon_deg)
+                else:
+                    file = maps.heights(path, heights, center_lon_deg)
+                return _core.Map(file.source, **options), file.remarks
+
             try:
-                file = (
-                    maps.picture(path, center_lon_deg)
-                    if heights is None
-                    else maps.heights(path, heights, center_lon_deg)
-                )
-                self.assets.files[read] = _core.Map(file.source, **options)
+                made, remarks = MAPS.of(path, options_key, read)
             except ValueError as error:
                 where = f"{self.document.source}: bodies.{name}.{key}"
                 raise ConfigError(f"{where}: {error}") from error
-            self.tell(f"bodies.{name}.{key}", str(path), file.remarks)
-        return self.assets.files[read]
+            self.assets.files[path, *options_key] = made
+            self.tell(f"bodies.{name}.{key}", str(path), remarks)
+        return self.assets.files[path, *options_key]
 
     def _cloud_map(self, name: str, body: Body) -> _core.Map | None:
         if body.clouds is None:
