@@ -36,11 +36,13 @@ typedef struct site {
 typedef struct search {
   float limit2[PL_LANES];
   site nearest;
-  float second2[PL_LANES];                /* used by pl_cellular_find */
-  float first[PL_LANES], edge[PL_LANES];  /* used by pl_cellular_edge; first: the distance */
-  float sum[PL_LANES], inverse[PL_LANES]; /* used by pl_cellular_smooth; inverse: 1/s */
-  size_t count;                           /* lanes in use */
-  bool known[CELLS];                      /* sites that were made */
+  float second2[PL_LANES]; /* used by pl_cellular_find */
+  /* Used by pl_cellular_edge; first: the distance; wall: from the nearest site to that beyond. */
+  float first[PL_LANES], edge[PL_LANES], wall[3][PL_LANES];
+  /* Used by pl_cellular_smooth; inverse: 1/s; slope: the gradient times the sum. */
+  float sum[PL_LANES], inverse[PL_LANES], slope[3][PL_LANES];
+  size_t count;      /* lanes in use */
+  bool known[CELLS]; /* sites that were made */
   site sites[CELLS];
 } search;
 
@@ -179,6 +181,10 @@ PL_WIDE_PART void visit_edge(search *restrict found, const site *restrict s,
                 mz = (s->to[2][i] + nearest->to[2][i]) * 0.5f;
     const float wall = (mx * x + my * y + mz * z) / sqrtf(length2);
     const float edge = counts ? pl_minf(found->edge[i], wall) : found->edge[i];
+    const bool nearer = edge < found->edge[i];
+    found->wall[0][i] = nearer ? x : found->wall[0][i];
+    found->wall[1][i] = nearer ? y : found->wall[1][i];
+    found->wall[2][i] = nearer ? z : found->wall[2][i];
     const float limit = found->first[i] + 2.0f * edge;
     found->edge[i] = edge;
     found->limit2[i] = counts ? limit * limit : found->limit2[i];
@@ -205,8 +211,44 @@ PL_WIDE void pl_cellular_find_lanes(const pl_point_lanes *points, const float ra
   put_cell(&found, cell);
 }
 
+/* Unit vectors against those of all lanes; zero for zero. */
+PL_WIDE_PART void away_from(float (*restrict to)[PL_LANES], float (*restrict out)[PL_LANES]) {
+  PL_EACH_LANE(i) {
+    const float x = to[0][i], y = to[1][i], z = to[2][i];
+    const float length = sqrtf(x * x + y * y + z * z), by = length > 0.0f ? -1.0f / length : 0.0f;
+    out[0][i] = by * x;
+    out[1][i] = by * y;
+    out[2][i] = by * z;
+  }
+}
+
+/* The site of the second distance is looked up among those that the search has made. */
+PL_WIDE void pl_cellular_second_lanes(const pl_point_lanes *points,
+                                      const float randomness[PL_LANES], uint32_t seed,
+                                      pl_cellular_lanes *cell, float gradient[3][PL_LANES]) {
+  field f;
+  search found;
+  float to[3][PL_LANES] = {{0.0f}};
+  make_field(points, randomness, seed, &f);
+  find(&f, PL_LANES, &found);
+  put_cell(&found, cell);
+  for (size_t k = 0; k < CELLS; k++) {
+    if (!found.known[k])
+      continue;
+    const site *s = &found.sites[k];
+    PL_EACH_LANE(i) {
+      const bool is_it = (s->distance2[i] == found.second2[i]) & (s->id[i] != found.nearest.id[i]);
+      to[0][i] = is_it ? s->to[0][i] : to[0][i];
+      to[1][i] = is_it ? s->to[1][i] : to[1][i];
+      to[2][i] = is_it ? s->to[2][i] : to[2][i];
+    }
+  }
+  away_from(to, gradient);
+}
+
 PL_WIDE void pl_cellular_edge_lanes(const pl_point_lanes *points, const float randomness[PL_LANES],
-                                    uint32_t seed, pl_cellular_lanes *cell, float out[PL_LANES]) {
+                                    uint32_t seed, pl_cellular_lanes *cell, float out[PL_LANES],
+                                    float gradient[3][PL_LANES]) {
   field f;
   search found;
   make_field(points, randomness, seed, &f);
@@ -215,24 +257,47 @@ PL_WIDE void pl_cellular_edge_lanes(const pl_point_lanes *points, const float ra
   PL_EACH_LANE(i) {
     found.limit2[i] = found.edge[i] = INFINITY;
     found.first[i] = sqrtf(found.nearest.distance2[i]);
+    found.wall[0][i] = found.wall[1][i] = found.wall[2][i] = 0.0f;
   }
   scan(&f, -1, 1, visit_edge, &found);
   scan(&f, 1, REACH, visit_edge, &found);
   PL_EACH_LANE(i) out[i] = pl_maxf(found.edge[i], 0.0f);
+  if (gradient != NULL)
+    away_from(found.wall, gradient);
 }
 
 PL_WIDE_PART void visit_smooth(search *restrict found, const site *restrict s,
                                const float *restrict gap2) {
-  for (size_t i = 0; i < found->count; i++)
-    if (!(gap2[i] > found->limit2[i]))
-      found->sum[i] +=
-          expf((sqrtf(found->nearest.distance2[i]) - sqrtf(s->distance2[i])) * found->inverse[i]);
+  for (size_t i = 0; i < found->count; i++) {
+    const float distance = sqrtf(s->distance2[i]);
+    if (gap2[i] > found->limit2[i])
+      continue;
+    const float share = expf((sqrtf(found->nearest.distance2[i]) - distance) * found->inverse[i]);
+    const float by = distance > 0.0f ? share / distance : 0.0f;
+    found->sum[i] += share;
+    for (int axis = 0; axis < 3; axis++)
+      found->slope[axis][i] -= by * s->to[axis][i];
+  }
+}
+
+/* Of -s ln sum exp(-d/s): the mean of the distances' gradients by their shares of the sum. */
+static void smooth_gradient(const search *found, const float smoothness[PL_LANES], size_t count,
+                            float gradient[3][PL_LANES]) {
+  for (size_t i = 0; i < PL_LANES; i++) {
+    const float s = 0.125f * clamp01(smoothness[i]), first = sqrtf(found->nearest.distance2[i]);
+    const float by = first > 0.0f ? -1.0f / first : 0.0f;
+    for (int axis = 0; axis < 3; axis++)
+      gradient[axis][i] = i >= count  ? gradient[axis][0]
+                          : s > 1e-6f ? found->slope[axis][i] / found->sum[i]
+                                      : by * found->nearest.to[axis][i];
+  }
 }
 
 PL_WIDE void pl_cellular_smooth_lanes(size_t count, const pl_point_lanes *points,
                                       const float randomness[PL_LANES],
                                       const float smoothness[PL_LANES], uint32_t seed,
-                                      pl_cellular_lanes *cell, float out[PL_LANES]) {
+                                      pl_cellular_lanes *cell, float out[PL_LANES],
+                                      float gradient[3][PL_LANES]) {
   field f;
   search found;
   make_field(points, randomness, seed, &f);
@@ -244,7 +309,7 @@ PL_WIDE void pl_cellular_smooth_lanes(size_t count, const pl_point_lanes *points
     const float limit = sqrtf(found.nearest.distance2[i]) + 16.0f * s;
     found.limit2[i] = s > 1e-6f ? limit * limit : -1.0f;
     found.inverse[i] = 1.0f / s;
-    found.sum[i] = 0.0f;
+    found.sum[i] = found.slope[0][i] = found.slope[1][i] = found.slope[2][i] = 0.0f;
   }
   scan(&f, -1, REACH, visit_smooth, &found);
   for (size_t i = 0; i < PL_LANES; i++) {
@@ -252,6 +317,8 @@ PL_WIDE void pl_cellular_smooth_lanes(size_t count, const pl_point_lanes *points
     /* Otherwise the effect of smoothing is below the rounding error of the distance. */
     out[i] = i >= count ? out[0] : s > 1e-6f ? first - s * logf(found.sum[i]) : first;
   }
+  if (gradient != NULL)
+    smooth_gradient(&found, smoothness, count, gradient);
 }
 
 /* The same point in all lanes. */
@@ -287,7 +354,7 @@ float pl_cellular_edge(pl_vec3 point, float randomness, uint32_t seed, pl_cellul
   float spread[PL_LANES], out[PL_LANES];
   pl_cellular_lanes cells;
   const pl_point_lanes points = everywhere(point, randomness, spread);
-  pl_cellular_edge_lanes(&points, spread, seed, &cells, out);
+  pl_cellular_edge_lanes(&points, spread, seed, &cells, out, NULL);
   if (cell != NULL)
     *cell = first_of(&cells);
   return out[0];
@@ -298,7 +365,7 @@ float pl_cellular_smooth(pl_vec3 point, float randomness, float smoothness, uint
   pl_cellular_lanes cells;
   const pl_point_lanes points = everywhere(point, randomness, spread);
   const float smooth[PL_LANES] = {smoothness};
-  pl_cellular_smooth_lanes(1, &points, spread, smooth, seed, &cells, out);
+  pl_cellular_smooth_lanes(1, &points, spread, smooth, seed, &cells, out, NULL);
   return out[0];
 }
 

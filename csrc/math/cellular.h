@@ -32,7 +32,7 @@ float pl_cellular_smooth(pl_vec3 point, float randomness, float smoothness, uint
 
 /* The same of all lanes, with a randomness and a smoothness for each. The search of edge and smooth
  * gives `cell` too. count: lanes in use, of which alone smooth takes exponentials; the others are
- * those of lane 0. */
+ * those of lane 0. gradient: of the distance in `out`, per cell; NULL if not needed. */
 typedef struct pl_cellular_lanes {
   float first[PL_LANES], second[PL_LANES], to_site[3][PL_LANES];
   uint32_t id[PL_LANES];
@@ -40,10 +40,15 @@ typedef struct pl_cellular_lanes {
 void pl_cellular_find_lanes(const pl_point_lanes *points, const float randomness[PL_LANES],
                             uint32_t seed, pl_cellular_lanes *cell);
 void pl_cellular_edge_lanes(const pl_point_lanes *points, const float randomness[PL_LANES],
-                            uint32_t seed, pl_cellular_lanes *cell, float out[PL_LANES]);
+                            uint32_t seed, pl_cellular_lanes *cell, float out[PL_LANES],
+                            float gradient[3][PL_LANES]);
 void pl_cellular_smooth_lanes(size_t count, const pl_point_lanes *points,
                               const float randomness[PL_LANES], const float smoothness[PL_LANES],
-                              uint32_t seed, pl_cellular_lanes *cell, float out[PL_LANES]);
+                              uint32_t seed, pl_cellular_lanes *cell, float out[PL_LANES],
+                              float gradient[3][PL_LANES]);
+/* pl_cellular_find_lanes with the gradient of the second distance. */
+void pl_cellular_second_lanes(const pl_point_lanes *points, const float randomness[PL_LANES],
+                              uint32_t seed, pl_cellular_lanes *cell, float gradient[3][PL_LANES]);
 
 /* Three uniform numbers in [0, 1) for an id, independent of the position of its site. */
 PL_WIDE_PART pl_vec3f pl_cellular_color(uint32_t id) {

@@ -138,6 +138,74 @@ PL_WIDE_PART sum hybrid(const walk *w, sum s, float kept, float noise, bool fade
                mean + kept * (pl_minf(step * (offset + noise), 1.0f) - mean)};
 }
 
+/* Partial derivatives of a step: of the value by the value before, by the
+ * weight before and by the noise; of the weight by the weight before and by the noise. */
+typedef struct partials {
+  float value, weight, noise, weight_weight, weight_noise;
+} partials;
+typedef partials (*partials_fn)(const walk *w, sum s, float kept, float noise, bool faded);
+
+PL_WIDE_PART partials fbm_partials(const walk *w, sum s, float kept, float noise, bool faded) {
+  (void)faded;
+  (void)s;
+  (void)noise;
+  return (partials){.value = 1.0f, .noise = w->amplitude * kept};
+}
+
+PL_WIDE_PART partials multifractal_partials(const walk *w, sum s, float kept, float noise,
+                                            bool faded) {
+  (void)faded;
+  return (partials){.value = 1.0f + w->amplitude * kept * noise,
+                    .noise = s.value * w->amplitude * kept};
+}
+
+PL_WIDE_PART partials hetero_terrain_partials(const walk *w, sum s, float kept, float noise,
+                                              bool faded) {
+  (void)faded;
+  const float height = kept * noise + w->fractal->offset;
+  return w->index == 0 ? (partials){.value = 1.0f, .noise = kept}
+                       : (partials){.value = 1.0f + height * w->amplitude,
+                                    .noise = kept * w->amplitude * s.value};
+}
+
+PL_WIDE_PART partials ridged_partials(const walk *w, sum s, float kept, float noise, bool faded) {
+  const float offset = w->fractal->offset, gain = w->fractal->gain;
+  const float ridge = square(offset - fabsf(noise));
+  const float slope = 2.0f * (fabsf(noise) - offset) * (noise < 0.0f ? -1.0f : 1.0f) * s.weight;
+  float mean = 0.0f, mean_weight = 0.0f;
+#pragma GCC unroll 8
+  for (int i = 0; faded && i < NODES; i++) {
+    const float node = square(offset - MAGNITUDE[i]), passed = gain * node * s.weight;
+    mean += node * (1.0f / NODES);
+    mean_weight += passed > 0.0f && passed < 1.0f ? gain * node * (1.0f / NODES) : 0.0f;
+  }
+  const float passed = gain * ridge * s.weight;
+  const float open = passed > 0.0f && passed < 1.0f ? kept * gain : 0.0f;
+  return (partials){.value = 1.0f,
+                    .weight = w->amplitude * ((1.0f - kept) * mean + kept * ridge),
+                    .noise = w->amplitude * kept * slope,
+                    .weight_weight = (1.0f - kept) * mean_weight + open * ridge,
+                    .weight_noise = open * slope};
+}
+
+PL_WIDE_PART partials hybrid_partials(const walk *w, sum s, float kept, float noise, bool faded) {
+  const float offset = w->fractal->offset, amplitude = w->fractal->gain * w->amplitude;
+  float mean = 0.0f;
+#pragma GCC unroll 8
+  for (int i = 0; faded && i < NODES; i++) {
+    const float high = amplitude * (offset + MAGNITUDE[i]),
+                low = amplitude * (offset - MAGNITUDE[i]);
+    mean += ((s.weight * high < 1.0f ? high : 0.0f) + (s.weight * low < 1.0f ? low : 0.0f)) *
+            (0.5f / NODES);
+  }
+  const float step = amplitude * (offset + noise), open = s.weight * step < 1.0f ? kept : 0.0f;
+  return (partials){.value = 1.0f,
+                    .weight = (kept * noise + offset) * w->amplitude,
+                    .noise = s.weight * kept * w->amplitude,
+                    .weight_weight = (1.0f - kept) * mean + open * step,
+                    .weight_noise = open * amplitude * s.weight};
+}
+
 /* Sums the octaves at a point; `start`: the value before the first. `total`: of the amplitudes. */
 PL_WIDE_PART float add_octaves(step_fn step, const pl_fractal *fractal, float start, pl_vec3 point,
                                float width, float *total) {
@@ -153,13 +221,18 @@ PL_WIDE_PART float add_octaves(step_fn step, const pl_fractal *fractal, float st
   return s.value;
 }
 
+PL_WIDE_PART void place_lanes(const octave_place *to, const pl_point_lanes *points,
+                              pl_point_lanes *out) {
+  for (size_t axis = 0; axis < 3; axis++)
+    PL_EACH_LANE(i) out->at[axis][i] = points->at[axis][i] * to->scale + to->offset[axis];
+}
+
 /* Noise of the current octave in all lanes; 0 where the footprint hides it. */
 PL_WIDE_PART void find_octave(const walk *w, const pl_point_lanes *points,
                               const float *restrict kept, float *restrict noise) {
   const octave_place to = place_of(w);
   pl_point_lanes at;
-  for (size_t axis = 0; axis < 3; axis++)
-    PL_EACH_LANE(i) at.at[axis][i] = points->at[axis][i] * to.scale + to.offset[axis];
+  place_lanes(&to, points, &at);
   pl_noise_lanes(&at, to.seed, noise);
   PL_EACH_LANE(i) noise[i] = kept[i] > 0.0f ? noise[i] : 0.0f;
 }
@@ -201,7 +274,62 @@ PL_WIDE_PART float add_octaves_lanes(step_fn step, const pl_fractal *fractal, fl
   return total;
 }
 
-/* A kind at one point and in all lanes. */
+/* Value, weight and their gradients so far, in all lanes. */
+typedef struct sloped {
+  float value[PL_LANES], weight[PL_LANES], slope[3][PL_LANES], weight_slope[3][PL_LANES];
+} sloped;
+
+PL_WIDE_PART void step_gradient(step_fn step, partials_fn partials_of, const walk *w, bool faded,
+                                const float *restrict kept, const float *restrict noise,
+                                float (*restrict gradient)[PL_LANES], sloped *restrict s) {
+  const float scale = (float)w->scale;
+  PL_EACH_LANE(i) {
+    const sum before = {s->value[i], s->weight[i]};
+    const partials p = partials_of(w, before, kept[i], noise[i], faded);
+    const sum after = step(w, before, kept[i], noise[i], faded);
+    const float seen = kept[i] > 0.0f ? scale : 0.0f;
+#pragma GCC unroll 3
+    for (int axis = 0; axis < 3; axis++) {
+      const float by_noise = seen * gradient[axis][i], by_weight = s->weight_slope[axis][i];
+      s->slope[axis][i] = p.value * s->slope[axis][i] + p.weight * by_weight + p.noise * by_noise;
+      s->weight_slope[axis][i] = p.weight_weight * by_weight + p.weight_noise * by_noise;
+    }
+    s->value[i] = after.value;
+    s->weight[i] = after.weight;
+  }
+}
+
+/* As add_octaves_lanes, with gradients. */
+PL_WIDE_PART float add_gradients(step_fn step, partials_fn partials_of, const pl_fractal *fractal,
+                                 float start, const pl_point_lanes *points,
+                                 const float *restrict width, sloped *restrict s) {
+  float kept[PL_LANES], noise[PL_LANES], gradient[3][PL_LANES], total = 0.0f;
+  *s = (sloped){.value = {0.0f}};
+  PL_EACH_LANE(i) {
+    s->value[i] = start;
+    s->weight[i] = 1.0f;
+  }
+  for (walk w = begin(fractal); next(&w);) {
+    const octave_place to = place_of(&w);
+    pl_point_lanes at;
+    int faded = 0;
+    PL_EACH_LANE(i) {
+      kept[i] = kept_of(&w, width[i]);
+      faded |= kept[i] < 1.0f ? 1 : 0;
+    }
+    place_lanes(&to, points, &at);
+    pl_noise_gradient_lanes(&at, to.seed, noise, gradient);
+    PL_EACH_LANE(i) noise[i] = kept[i] > 0.0f ? noise[i] : 0.0f;
+    if (faded != 0)
+      step_gradient(step, partials_of, &w, true, kept, noise, gradient, s);
+    else
+      step_gradient(step, partials_of, &w, false, kept, noise, gradient, s);
+    total += fabsf(w.amplitude);
+  }
+  return total;
+}
+
+/* A kind at one point, in all lanes, and with gradients; `result` is linear. */
 #define PL_KIND(kind, start, result)                                                               \
   static float kind##_at(const pl_fractal *fractal, pl_vec3 point, float width) {                  \
     float total;                                                                                   \
@@ -218,6 +346,23 @@ PL_WIDE_PART float add_octaves_lanes(step_fn step, const pl_fractal *fractal, fl
       const float value = values[i];                                                               \
       out[i] = result;                                                                             \
     }                                                                                              \
+  }                                                                                                \
+  PL_WIDE static void kind##_gradient(const pl_fractal *fractal, const pl_point_lanes *points,     \
+                                      const float width[PL_LANES], float out[PL_LANES],            \
+                                      float gradient[3][PL_LANES]) {                               \
+    sloped s;                                                                                      \
+    const float total = add_gradients(kind, kind##_partials, fractal, start, points, width, &s);   \
+    (void)total;                                                                                   \
+    PL_EACH_LANE(i) {                                                                              \
+      float value = s.value[i];                                                                    \
+      out[i] = result;                                                                             \
+      value = s.slope[0][i];                                                                       \
+      gradient[0][i] = result;                                                                     \
+      value = s.slope[1][i];                                                                       \
+      gradient[1][i] = result;                                                                     \
+      value = s.slope[2][i];                                                                       \
+      gradient[2][i] = result;                                                                     \
+    }                                                                                              \
   }
 PL_KIND(fbm, 0.0f, value / total)
 PL_KIND(multifractal, 1.0f, value)
@@ -225,7 +370,7 @@ PL_KIND(hetero_terrain, 0.0f, value)
 PL_KIND(ridged, 0.0f, value)
 PL_KIND(hybrid, 0.0f, value)
 
-#define PL_EVALUATES(kind) kind##_at, kind##_lanes
+#define PL_EVALUATES(kind) kind##_at, kind##_lanes, kind##_gradient
 const pl_fractal_row pl_fractal_rows[PL_FRACTAL_KINDS] = {
     [PL_FRACTAL_FBM] = {"fbm", "Sum of octaves: evenly rough everywhere", PL_EVALUATES(fbm)},
     [PL_FRACTAL_MULTIFRACTAL] = {"multifractal", "Product of octaves: rough where it is high",

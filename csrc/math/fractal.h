@@ -39,14 +39,19 @@ typedef enum pl_fractal_kind {
   PL_FRACTAL_KINDS
 } pl_fractal_kind;
 
-/* Point and footprint width in cells of the first octave; of all lanes, with the same bits. */
+/* Point and footprint width in cells of the first octave; of all lanes, with the same bits.
+ * gradient: per cell of the first octave, for a width that is the same nearby. */
 typedef float (*pl_fractal_fn)(const pl_fractal *fractal, pl_vec3 point, float width);
 typedef void (*pl_fractal_lanes_fn)(const pl_fractal *fractal, const pl_point_lanes *points,
                                     const float width[PL_LANES], float out[PL_LANES]);
+typedef void (*pl_fractal_gradient_fn)(const pl_fractal *fractal, const pl_point_lanes *points,
+                                       const float width[PL_LANES], float out[PL_LANES],
+                                       float gradient[3][PL_LANES]);
 typedef struct pl_fractal_row {
   const char *name, *doc;
   pl_fractal_fn evaluate;
   pl_fractal_lanes_fn evaluate_lanes;
+  pl_fractal_gradient_fn gradient_lanes;
 } pl_fractal_row;
 extern const pl_fractal_row pl_fractal_rows[PL_FRACTAL_KINDS];
 

@@ -18,20 +18,37 @@ PL_WIDE_PART uint32_t vertex_of(uint32_t hash) {
   return (12u * (hash >> 16) + ((12u * (hash & 0xffffu)) >> 16)) >> 16;
 }
 
-/* The gradient's product with (x, y, z) from the pattern of the table instead of the table, which
- * vectors cannot read: the two components that are not 0, with the signs of the two low bits. */
-PL_WIDE_PART float product_of(uint32_t vertex, float x, float y, float z) {
+/* The gradient and its product with (x, y, z) from the pattern of the table instead of the table,
+ * which vectors cannot read: the two components that are not 0, with the signs of the two low bits.
+ */
+PL_WIDE_PART pl_noise_value product_of(uint32_t vertex, float x, float y, float z) {
   const bool first = vertex < 4u, second = vertex < 8u;
   const float a = (float)(1 - 2 * (int)(vertex & 1u)) * A, b = (float)(1 - (int)(vertex & 2u)) * B;
-  return a * (first ? y : second ? z : x) + b * (first ? z : second ? x : y);
+  const pl_vec3f gradient = {first    ? 0.0f
+                             : second ? b
+                                      : a,
+                             first    ? a
+                             : second ? 0.0f
+                                      : b,
+                             first    ? b
+                             : second ? a
+                                      : 0.0f};
+  return (pl_noise_value){
+      a * (first    ? y
+           : second ? z
+                    : x) +
+          b * (first    ? z
+               : second ? x
+                        : y),
+      gradient,
+  };
 }
 
-/* Linear function of one corner, at offset (x, y, z) from it. Without the table
- * there is no gradient; the value has the same bits. */
+/* Linear function of one corner, at offset (x, y, z) from it; the same bits without the table. */
 PL_WIDE_PART pl_noise_value corner(uint32_t hash, float x, float y, float z, bool table) {
   const uint32_t vertex = vertex_of(hash);
   if (!table)
-    return (pl_noise_value){.value = product_of(vertex, x, y, z)};
+    return product_of(vertex, x, y, z);
   const float *g = GRADIENTS[vertex];
   return (pl_noise_value){g[0] * x + g[1] * y + g[2] * z, {g[0], g[1], g[2]}};
 }
@@ -97,6 +114,23 @@ PL_WIDE void pl_noise_lanes(const pl_point_lanes *points, uint32_t seed,
     const uint32_t cell[3] = {at.cell[0][i], at.cell[1][i], at.cell[2][i]};
     const float fraction[3] = {at.fraction[0][i], at.fraction[1][i], at.fraction[2][i]};
     out[i] = evaluate(cell, fraction, start, false).value;
+  }
+}
+
+PL_WIDE void pl_noise_gradient_lanes(const pl_point_lanes *points, uint32_t seed,
+                                     float value[restrict PL_LANES],
+                                     float gradient[restrict 3][PL_LANES]) {
+  pl_lattice_lanes at;
+  const uint32_t start = pl_sampler_mix(seed);
+  pl_lattice_split_lanes(points, &at);
+  PL_EACH_LANE(i) {
+    const uint32_t cell[3] = {at.cell[0][i], at.cell[1][i], at.cell[2][i]};
+    const float fraction[3] = {at.fraction[0][i], at.fraction[1][i], at.fraction[2][i]};
+    const pl_noise_value noise = evaluate(cell, fraction, start, false);
+    value[i] = noise.value;
+    gradient[0][i] = noise.gradient.x;
+    gradient[1][i] = noise.gradient.y;
+    gradient[2][i] = noise.gradient.z;
   }
 }
 

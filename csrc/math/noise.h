@@ -27,8 +27,10 @@ typedef struct pl_noise_value {
 /* Noise at a point, in cells; `seed` selects one of 2^32 patterns. */
 float pl_noise(pl_vec3 point, uint32_t seed);
 pl_noise_value pl_noise_gradient(pl_vec3 point, uint32_t seed);
-/* pl_noise of all lanes. */
+/* pl_noise of all lanes, and pl_noise_gradient. */
 void pl_noise_lanes(const pl_point_lanes *points, uint32_t seed, float out[PL_LANES]);
+void pl_noise_gradient_lanes(const pl_point_lanes *points, uint32_t seed, float value[PL_LANES],
+                             float gradient[3][PL_LANES]);
 
 /* Factor on the noise that approximates its mean over a footprint, a disc with a diameter of
  * `width` cells, best in least squares. 1 at 0, decreasing, exactly 0 from PL_NOISE_WIDEST on and

@@ -28,9 +28,21 @@ static const pl_lanes *operand_lanes(const pl_graph *graph, const pl_value *para
   return (const pl_lanes *)room;
 }
 
-/* Evaluates all instructions of a program, each at all points; results are in `registers`. */
+static const pl_slopes LEVEL = {{{0.0f}}};
+
+/* Sets what an instruction reads and writes of slopes. */
+static void set_slopes(const pl_instruction *instruction, pl_slopes *slopes, pl_node_call *call) {
+  for (size_t k = 0; k < instruction->kind->input_count; k++)
+    call->in_slopes[k] = (const pl_slopes *)((instruction->uniform >> k & 1u) != 0
+                                                 ? &LEVEL
+                                                 : &slopes[instruction->in[k].index]);
+  call->out_slopes = slopes + instruction->out;
+}
+
+/* Evaluates all instructions of a program, each at all points; results are in `registers`.
+ * slopes: those of the results, for registers that are not the same everywhere; NULL: without. */
 static void run(const pl_graph *graph, const pl_program *program, const batch *at,
-                pl_lanes registers[PL_GRAPH_REGISTERS]) {
+                pl_lanes registers[PL_GRAPH_REGISTERS], pl_slopes *slopes) {
   pl_node_call call = {.points = at->points, .graph = graph, .params = at->params};
   pl_lanes room[PL_NODE_SOCKETS];
   for (size_t n = 0; n < program->count; n++) {
@@ -48,7 +60,12 @@ static void run(const pl_graph *graph, const pl_program *program, const batch *a
     call.given = instruction->given;
     call.uniform = instruction->uniform;
     call.out = registers + instruction->out;
-    kind->evaluate(&call);
+    if (slopes == NULL || pl_instruction_is_uniform(instruction)) {
+      kind->evaluate(&call);
+      continue;
+    }
+    set_slopes(instruction, slopes, &call);
+    kind->evaluate_slopes(&call);
   }
 }
 
@@ -56,7 +73,7 @@ static void run(const pl_graph *graph, const pl_program *program, const batch *a
 static void run_lazy(const pl_graph *graph, pl_operand input, const batch *at, pl_lanes out) {
   pl_lanes registers[PL_GRAPH_REGISTERS], room;
   const pl_program *program = &graph->programs[input.index];
-  run(graph, program, at, registers);
+  run(graph, program, at, registers, NULL);
   memcpy(out, operand_lanes(graph, at->params, registers, program->outputs[0], &room), sizeof room);
 }
 
@@ -64,6 +81,25 @@ void pl_node_input_at(const pl_node_call *call, size_t input, const pl_graph_poi
                       size_t count, pl_lanes out) {
   const batch at = {points, count, call->params};
   run_lazy(call->graph, call->instruction->in[input], &at, out);
+}
+
+static const pl_program *lazy_program(const pl_node_call *call, size_t input) {
+  return &call->graph->programs[call->instruction->in[input].index];
+}
+
+bool pl_node_input_has_slopes(const pl_node_call *call, size_t input) {
+  return lazy_program(call, input)->slopes;
+}
+
+void pl_node_input_slopes(const pl_node_call *call, size_t input, const pl_graph_point *points,
+                          size_t count, float out[2][PL_LANES]) {
+  pl_lanes registers[PL_GRAPH_REGISTERS];
+  pl_slopes slopes[PL_GRAPH_REGISTERS];
+  const pl_program *program = lazy_program(call, input);
+  const batch at = {points, count, call->params};
+  run(call->graph, program, &at, registers, slopes);
+  for (size_t axis = 0; axis < 2; axis++)
+    memcpy(out[axis], slopes[program->outputs[0].index][axis][0], sizeof out[axis]);
 }
 
 bool pl_graph_cuts(const pl_graph *graph) { return graph->cuts; }
@@ -85,7 +121,7 @@ void pl_graph_evaluate(const pl_graph *graph, const pl_graph_point *point, const
   pl_lanes registers[PL_GRAPH_REGISTERS];
   const pl_program *program = &graph->programs[0];
   const batch at = {point, 1, params};
-  run(graph, program, &at, registers);
+  run(graph, program, &at, registers, NULL);
   for (size_t k = 0; k < pl_node_input_count(graph->surface); k++)
     if ((graph->surface->lazy >> k & 1u) != 0) {
       pl_lanes value;
@@ -127,7 +163,7 @@ pl_vec3f pl_graph_emission(const pl_graph *graph, const pl_graph_point *point,
   pl_value color, strength;
   const pl_program *program = &graph->programs[graph->emission];
   const batch at = {point, 1, params};
-  run(graph, program, &at, registers);
+  run(graph, program, &at, registers, NULL);
   pl_operand_value(graph, params, registers, program->outputs[0], 0, color);
   pl_operand_value(graph, params, registers, program->outputs[1], 0, strength);
   return cut3(color, strength[0], (float)PL_EMISSION_MAX);
@@ -189,7 +225,7 @@ void pl_graph_surfaces(const pl_graph *graph, const pl_graph_point *points, size
   pl_lanes registers[PL_GRAPH_REGISTERS];
   pl_value v[PL_NODE_SOCKETS];
   const batch at = {points, count, params};
-  run(graph, &graph->programs[0], &at, registers);
+  run(graph, &graph->programs[0], &at, registers, NULL);
   for (size_t i = 0; i < count; i++) {
     for (size_t k = 0; k < pl_node_input_count(graph->surface); k++)
       if ((graph->surface->lazy >> k & 1u) == 0)

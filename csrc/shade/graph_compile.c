@@ -257,6 +257,7 @@ static pl_status build_lazy(const builder *outer, const pl_graph_node *node, siz
     status = build_input(&inner, node, k, &output);
   if (status == PL_OK) {
     inner.graph->programs[inner.program].outputs[0] = output;
+    pl_program_find_slopes(&inner.graph->programs[inner.program]);
     *out = (pl_operand){PL_BANK_REGISTER, (uint16_t)inner.program};
   }
   finish(&inner);

@@ -37,6 +37,7 @@ static inline bool pl_instruction_is_uniform(const pl_instruction *instruction) 
 typedef struct pl_program {
   pl_instruction *instructions; /* owned */
   size_t count, register_count;
+  bool slopes; /* all of its nodes have derivatives */
   pl_operand outputs[PL_NODE_SOCKETS];
 } pl_program;
 
@@ -61,6 +62,9 @@ struct pl_graph {
 
 /* Extends the bounds by the features of the graph that effects can leave out. */
 void pl_graph_summarise_detail(const pl_graph *graph, pl_model_summary *summary);
+
+/* Finds whether a program of a lazy input has derivatives. */
+void pl_program_find_slopes(pl_program *program);
 
 /* A value in all lanes. */
 static inline void pl_value_spread(const float *value, pl_lanes out) {

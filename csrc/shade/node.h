@@ -87,6 +87,9 @@ typedef struct pl_node_call {
   const pl_constant *constants;
   unsigned given; /* bit k: input k is set by a value or a link */
   pl_lanes *out;  /* one per output; all four numbers must be set */
+  /* For evaluate_slopes alone. */
+  const pl_slopes *in_slopes[PL_NODE_SOCKETS]; /* zeros where an input is the same everywhere */
+  pl_slopes *out_slopes;                       /* one per output; finite */
   /* Used by pl_node_input_at. */
   const struct pl_graph *graph;
   const struct pl_instruction *instruction;
@@ -109,6 +112,14 @@ typedef struct pl_node_kind {
   pl_status (*check)(const pl_constant *constants);
   /* NULL for a surface: its inputs are the outputs of the graph. */
   void (*evaluate)(const pl_node_call *call);
+  /* The same, and the slopes of all outputs along t and b of the points (forward-mode
+   * differentiation), per metre; footprints are the same nearby. NULL for nodes with steps, or
+   * which read what has no derivative: heights that need one are differences (shade/node_bump.c).
+   */
+  void (*evaluate_slopes)(const pl_node_call *call);
+  /* Whether evaluate_slopes holds for a node: by its constants, inputs that are the same everywhere
+   * and outputs that are read, a bit each. NULL: always. */
+  bool (*has_slopes)(const pl_constant *constants, unsigned uniform, unsigned read);
   const pl_reflectance *reflectance; /* of a surface: its inputs are appended to `inputs` */
 } pl_node_kind;
 /* Inputs of a node; for a surface those common to all surfaces (pl_surface_socket), then those of
@@ -124,6 +135,11 @@ static inline const pl_socket *pl_node_input(const pl_node_kind *kind, size_t k)
 /* Evaluates a lazy input at other points: `count` of them, at most PL_LANES. */
 void pl_node_input_at(const pl_node_call *call, size_t input, const pl_graph_point *points,
                       size_t count, pl_lanes out);
+/* Whether the derivatives of a lazy input are known, and those of a scalar one along t and b, at
+ * points as above. */
+bool pl_node_input_has_slopes(const pl_node_call *call, size_t input);
+void pl_node_input_slopes(const pl_node_call *call, size_t input, const pl_graph_point *points,
+                          size_t count, float out[2][PL_LANES]);
 
 /* The table, in a fixed order. */
 extern const pl_node_kind *const pl_node_kinds[];
@@ -148,6 +164,17 @@ PL_WIDE_PART pl_vec3f pl_lane_vec(const pl_lanes v, size_t i) {
 /* A scalar input in one lane. */
 PL_WIDE_PART float pl_node_number(const pl_node_call *call, size_t input, size_t i) {
   return (*call->in[input])[0][i];
+}
+PL_WIDE_PART void pl_slope_scalar(pl_slopes out, size_t axis, size_t i, float x) {
+  out[axis][0][i] = out[axis][1][i] = out[axis][2][i] = isfinite(x) ? x : 0.0f;
+}
+PL_WIDE_PART void pl_slope_vector(pl_slopes out, size_t axis, size_t i, pl_vec3f v) {
+  out[axis][0][i] = isfinite(v.x) ? v.x : 0.0f;
+  out[axis][1][i] = isfinite(v.y) ? v.y : 0.0f;
+  out[axis][2][i] = isfinite(v.z) ? v.z : 0.0f;
+}
+PL_WIDE_PART pl_vec3f pl_slope_vec(const pl_slopes v, size_t axis, size_t i) {
+  return pl_vec3f_make(v[axis][0][i], v[axis][1][i], v[axis][2][i]);
 }
 /* Copies lane 0 to those from `count` on. */
 static inline void pl_lanes_fill(pl_lanes out, size_t count) {

@@ -1,9 +1,10 @@
 /* Bump mapping: the normal of a surface displaced by a height. */
 #include "shade/node_rows.h"
 
-/* Slopes at the point by central differences over a small step. STEP_MIN_M is above the rounding
- * errors of positions of a few metres. The normal is n - dh/dt t - dh/db b (Blinn, "Simulation of
- * Wrinkled Surfaces", SIGGRAPH 1978).
+/* Slopes at the point are derivatives of the height, where all of its nodes have them. Otherwise,
+ * with steps and images, they are central differences over a small step, which also shows steps as
+ * narrow slopes. STEP_MIN_M is above the rounding errors of positions of a few metres. The normal
+ * is n - dh/dt t - dh/db b (Blinn, "Simulation of Wrinkled Surfaces", SIGGRAPH 1978).
  *
  * Slopes are not filtered by the footprint: Monte Carlo samples average over the pixel. A lobe
  * widened by the variance of the hidden slopes is not the mean over the bumped normals: it is
@@ -46,11 +47,36 @@ static void heights_of(const pl_node_call *call, const size_t *lanes, size_t cou
   }
 }
 
-/* The normal at a point from the heights beside it. */
-static pl_vec3f normal_of(const pl_graph_point *p, const float height[SIDES], float factor,
-                          float step) {
-  slopes s = {factor * (height[1] - height[0]) / (2.0f * step),
-              factor * (height[3] - height[2]) / (2.0f * step)};
+/* Slopes at the points of `lanes` from heights beside them. */
+static void differences_of(const pl_node_call *call, const size_t *lanes, size_t count,
+                           slopes out[PL_LANES]) {
+  float step[PL_LANES] = {0.0f}, height[PL_LANES][SIDES];
+  for (size_t k = 0; k < count; k++)
+    step[k] = least_step(&call->points[lanes[k]]);
+  heights_of(call, lanes, count, step, height);
+  for (size_t k = 0; k < count; k++)
+    out[k] = (slopes){(height[k][1] - height[k][0]) / (2.0f * step[k]),
+                      (height[k][3] - height[k][2]) / (2.0f * step[k])};
+}
+
+/* The derivatives at the points of `lanes`. */
+static void derivatives_of(const pl_node_call *call, const size_t *lanes, size_t count,
+                           slopes out[PL_LANES]) {
+  pl_graph_point at[PL_LANES];
+  float slope[2][PL_LANES];
+  for (size_t k = 0; k < count; k++) {
+    at[k] = call->points[lanes[k]];
+    at[k].radius = 0.0f;
+  }
+  if (count > 0)
+    pl_node_input_slopes(call, 0, at, count, slope);
+  for (size_t k = 0; k < count; k++)
+    out[k] = (slopes){slope[0][k], slope[1][k]};
+}
+
+/* The normal at a point from the slopes of the height. */
+static pl_vec3f normal_of(const pl_graph_point *p, slopes of_height, float factor) {
+  slopes s = {factor * of_height.t, factor * of_height.b};
   if (!isfinite(s.t) || !isfinite(s.b))
     s = (slopes){0.0f, 0.0f};
   const pl_vec3f n = pl_vec3f_madd(pl_vec3f_madd(p->n, -s.t, p->t), -s.b, p->b);
@@ -59,7 +85,8 @@ static pl_vec3f normal_of(const pl_graph_point *p, const float height[SIDES], fl
 
 static void bump(const pl_node_call *call) {
   size_t bumped[PL_LANES] = {0}, count = 0;
-  float factor[PL_LANES], step[PL_LANES] = {0.0f}, height[PL_LANES][SIDES];
+  float factor[PL_LANES];
+  slopes slope[PL_LANES];
   for (size_t i = 0; i < call->count; i++) {
     const pl_graph_point *p = &call->points[i];
     const float by = pl_node_number(call, 1, i) * pl_node_number(call, 2, i);
@@ -67,13 +94,15 @@ static void bump(const pl_node_call *call) {
     if (!p->bumps || by == 0.0f || !isfinite(p->radius))
       continue;
     bumped[count] = i;
-    factor[count] = by;
-    step[count++] = least_step(p);
+    factor[count++] = by;
   }
-  heights_of(call, bumped, count, step, height);
+  if (pl_node_input_has_slopes(call, 0))
+    derivatives_of(call, bumped, count, slope);
+  else
+    differences_of(call, bumped, count, slope);
   for (size_t k = 0; k < count; k++) {
     const pl_graph_point *p = &call->points[bumped[k]];
-    pl_lane_vector(call->out[0], bumped[k], normal_of(p, height[k], factor[k], step[k]), 0.0f);
+    pl_lane_vector(call->out[0], bumped[k], normal_of(p, slope[k], factor[k]), 0.0f);
   }
   pl_lanes_fill(call->out[0], call->count);
 }

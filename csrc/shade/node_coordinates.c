@@ -98,6 +98,46 @@ static void coordinates(const pl_node_call *call) {
   pl_lanes_fill(call->out[0], call->count);
 }
 
+/* How `object` changes along an axis of the tangent plane. */
+static pl_vec3f object_slope(const pl_graph_point *p, pl_vec3f along) {
+  if (p->body != NULL)
+    return pl_vec3_to_float(pl_mat3_mul_vec_t(*p->body, pl_vec3f_to_double(along)));
+  if (p->model == NULL)
+    return along;
+  pl_graph_point change = *p;
+  change.offset = (pl_vec3){0.0, 0.0, 0.0};
+  pl_triangle_point_step(&p->triangle, along, change.triangle.w);
+  return pl_graph_point_object(&change);
+}
+
+static void slopes_at(const pl_graph_point *p, int space, pl_slopes out, size_t i) {
+  const pl_vec3f along[2] = {p->t, p->b};
+  pl_vec3f axis[2];
+  if (space != SPACE_OBJECT && space != SPACE_WORLD)
+    plane_of(space, rest_normal(p), axis);
+  for (size_t k = 0; k < 2; k++) {
+    pl_vec3f slope = space == SPACE_WORLD ? along[k] : object_slope(p, along[k]);
+    if (space != SPACE_OBJECT && space != SPACE_WORLD)
+      slope = pl_vec3f_make(pl_vec3f_dot(slope, axis[0]), pl_vec3f_dot(slope, axis[1]), 0.0f);
+    pl_slope_vector(out, k, i, slope);
+  }
+}
+
+static void coordinates_slopes(const pl_node_call *call) {
+  coordinates(call);
+  for (size_t i = 0; i < PL_LANES; i++)
+    slopes_at(&call->points[i < call->count ? i : 0], (int)call->constants[0].number,
+              call->out_slopes[0], i);
+}
+
+/* Maps have seams, and footprints of their own. */
+static bool coordinates_have_slopes(const pl_constant *constants, unsigned uniform, unsigned read) {
+  const int space = (int)constants[0].number;
+  (void)uniform;
+  (void)read;
+  return space == SPACE_OBJECT || space == SPACE_WORLD || space == SPACE_BOX || space == SPACE_FACE;
+}
+
 static const pl_constant_row coordinates_constants[] = {
     {"space", PL_CHOICE, SPACE_OBJECT, 0, 0, spaces, 0,
      "object: metres from the object's origin along the model's axes, moving with its parts, or "
@@ -120,6 +160,8 @@ const pl_node_kind pl_node_coordinates = {
     .constant_count = 1,
     .reads_point = true,
     .evaluate = coordinates,
+    .evaluate_slopes = coordinates_slopes,
+    .has_slopes = coordinates_have_slopes,
 };
 
 /* Cosine and sine of the angles about an axis. */
@@ -169,6 +211,30 @@ PL_WIDE static void mapping(const pl_node_call *call) {
   }
 }
 
+/* The rotation is the same everywhere. */
+PL_WIDE static void mapping_slopes(const pl_node_call *call) {
+  const float(*v)[PL_LANES] = *call->in[0], (*scale)[PL_LANES] = *call->in[3];
+  const float(*dv)[3][PL_LANES] = *call->in_slopes[0], (*shift)[3][PL_LANES] = *call->in_slopes[1],
+        (*dscale)[3][PL_LANES] = *call->in_slopes[3];
+  turn by[3];
+  mapping(call);
+  const bool turns = turns_of(call, 2, by);
+  for (size_t axis = 0; axis < 2; axis++)
+    PL_EACH_LANE(i) {
+      pl_vec3f p = pl_vec3f_add(pl_vec3f_mul(pl_slope_vec(dv, axis, i), pl_lane_vec(scale, i)),
+                                pl_vec3f_mul(pl_lane_vec(v, i), pl_slope_vec(dscale, axis, i)));
+      if (turns)
+        p = turned(p, by, i);
+      pl_slope_vector(call->out_slopes[0], axis, i, pl_vec3f_add(p, pl_slope_vec(shift, axis, i)));
+    }
+}
+
+static bool mapping_has_slopes(const pl_constant *constants, unsigned uniform, unsigned read) {
+  (void)constants;
+  (void)read;
+  return (uniform & 1u << 2) != 0;
+}
+
 static const pl_socket mapping_inputs[] = {
     {"vector", PL_VECTOR, {0.0f, 0.0f, 0.0f}, "Coordinates"},
     {"location", PL_VECTOR, {0.0f, 0.0f, 0.0f}, "Added last"},
@@ -184,4 +250,6 @@ const pl_node_kind pl_node_mapping = {
     .outputs = coordinates_outputs,
     .output_count = 1,
     .evaluate = mapping,
+    .evaluate_slopes = mapping_slopes,
+    .has_slopes = mapping_has_slopes,
 };

@@ -5,6 +5,11 @@
 
 static void pass(const pl_node_call *call) { memcpy(call->out[0], call->in[0], sizeof(pl_lanes)); }
 
+static void pass_slopes(const pl_node_call *call) {
+  pass(call);
+  memcpy(call->out_slopes[0], call->in_slopes[0], sizeof(pl_slopes));
+}
+
 static const pl_socket number[] = {{"value", PL_SCALAR, {0.0f, 0.0f, 0.0f}, "The number"}};
 static const pl_socket color[] = {{"color", PL_COLOR, {0.5f, 0.5f, 0.5f}, "Linear RGB"}};
 
@@ -16,6 +21,7 @@ const pl_node_kind pl_node_value = {
     .outputs = number,
     .output_count = 1,
     .evaluate = pass,
+    .evaluate_slopes = pass_slopes,
 };
 
 const pl_node_kind pl_node_color = {
@@ -26,4 +32,5 @@ const pl_node_kind pl_node_color = {
     .outputs = color,
     .output_count = 1,
     .evaluate = pass,
+    .evaluate_slopes = pass_slopes,
 };

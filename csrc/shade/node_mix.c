@@ -32,6 +32,40 @@ PL_WIDE static void mix(const pl_node_call *call) {
   PL_EACH_LANE(i) out[3][i] = pl_maxf(a[3][i], b[3][i]);
 }
 
+/* Derivative of `blend`. */
+PL_WIDE_PART float blend_slope(int mode, float a, float b, float da, float db) {
+  switch (mode) {
+  case MULTIPLY:
+    return a * db + b * da;
+  case ADD:
+    return da + db;
+  case SCREEN:
+    return da + db - a * db - b * da;
+  default:
+    return db;
+  }
+}
+
+PL_WIDE static void mix_slopes(const pl_node_call *call) {
+  const float(*a)[PL_LANES] = *call->in[1], (*b)[PL_LANES] = *call->in[2];
+  const float *share = (*call->in[0])[0];
+  const float(*da)[3][PL_LANES] = *call->in_slopes[1], (*db)[3][PL_LANES] = *call->in_slopes[2];
+  const float(*dshare)[3][PL_LANES] = *call->in_slopes[0];
+  float(*out)[3][PL_LANES] = call->out_slopes[0];
+  const int mode = (int)call->constants[0].number;
+  mix(call);
+  for (size_t axis = 0; axis < 2; axis++)
+    for (int k = 0; k < 3; k++)
+      PL_EACH_LANE(i) {
+        const float factor = pl_minf(pl_maxf(share[i], 0.0f), 1.0f);
+        const float rise = factor == share[i] ? dshare[axis][0][i] : 0.0f;
+        const float slope =
+            rise * (blend(mode, a[k][i], b[k][i]) - a[k][i]) + (1.0f - factor) * da[axis][k][i] +
+            factor * blend_slope(mode, a[k][i], b[k][i], da[axis][k][i], db[axis][k][i]);
+        out[axis][k][i] = isfinite(slope) ? slope : 0.0f;
+      }
+}
+
 static const pl_constant_row mix_constants[] = {
     {"blend", PL_CHOICE, MIX, 0, 0, modes, 0,
      "What a becomes at a factor of 1: b, a b, a + b, or 1 - (1 - a) (1 - b)"}};
@@ -52,13 +86,15 @@ const pl_node_kind pl_node_mix = {
     .constants = mix_constants,
     .constant_count = 1,
     .evaluate = mix,
+    .evaluate_slopes = mix_slopes,
 };
 
 enum { LINEAR, EASE, STEP };
 static const char *const interpolations[] = {"linear", "ease", "step", NULL};
 enum { STOP = 4 }; /* position, red, green, blue */
 
-static pl_vec3f ramp_at(const pl_constant *stops, int how, float x) {
+/* The colour, and how it changes with x if `slope` is not NULL. */
+static pl_vec3f ramp_at(const pl_constant *stops, int how, float x, pl_vec3f *slope) {
   const size_t count = stops->count / STOP;
   size_t next = 0;
   while (next < count && stops->numbers[STOP * next] <= x)
@@ -66,18 +102,41 @@ static pl_vec3f ramp_at(const pl_constant *stops, int how, float x) {
   const size_t from = next == 0 ? 0 : next - 1, to = next == count ? count - 1 : next;
   const float *a = stops->numbers + STOP * from, *b = stops->numbers + STOP * to;
   float t = to > from ? (x - a[0]) / (b[0] - a[0]) : 0.0f;
+  const pl_vec3f change = {b[1] - a[1], b[2] - a[2], b[3] - a[3]};
+  if (slope != NULL)
+    *slope =
+        to > from
+            ? pl_vec3f_scale(change, (how == EASE ? 6.0f * t * (1.0f - t) : 1.0f) / (b[0] - a[0]))
+            : (pl_vec3f){0.0f, 0.0f, 0.0f};
   t = how == STEP ? 0.0f : how == EASE ? t * t * (3.0f - 2.0f * t) : t;
-  return pl_vec3f_make(a[1] + t * (b[1] - a[1]), a[2] + t * (b[2] - a[2]),
-                       a[3] + t * (b[3] - a[3]));
+  return pl_vec3f_make(a[1] + t * change.x, a[2] + t * change.y, a[3] + t * change.z);
 }
 
 static void ramp(const pl_node_call *call) {
   for (size_t i = 0; i < call->count; i++)
-    pl_lane_vector(
-        call->out[0], i,
-        ramp_at(&call->constants[0], (int)call->constants[1].number, pl_node_number(call, 0, i)),
-        0.0f);
+    pl_lane_vector(call->out[0], i,
+                   ramp_at(&call->constants[0], (int)call->constants[1].number,
+                           pl_node_number(call, 0, i), NULL),
+                   0.0f);
   pl_lanes_fill(call->out[0], call->count);
+}
+
+static void ramp_slopes(const pl_node_call *call) {
+  const float(*dx)[3][PL_LANES] = *call->in_slopes[0];
+  ramp(call);
+  for (size_t i = 0; i < PL_LANES; i++) {
+    pl_vec3f slope;
+    (void)ramp_at(&call->constants[0], (int)call->constants[1].number,
+                  pl_node_number(call, 0, i < call->count ? i : 0), &slope);
+    for (size_t axis = 0; axis < 2; axis++)
+      pl_slope_vector(call->out_slopes[0], axis, i, pl_vec3f_scale(slope, dx[axis][0][i]));
+  }
+}
+
+static bool ramp_has_slopes(const pl_constant *constants, unsigned uniform, unsigned read) {
+  (void)uniform;
+  (void)read;
+  return (int)constants[1].number != STEP;
 }
 
 static pl_status check_ramp(const pl_constant *constants) {
@@ -109,4 +168,6 @@ const pl_node_kind pl_node_ramp = {
     .constant_count = 2,
     .check = check_ramp,
     .evaluate = ramp,
+    .evaluate_slopes = ramp_slopes,
+    .has_slopes = ramp_has_slopes,
 };

@@ -39,13 +39,40 @@ static void fractal_of(const pl_node_call *call, const pl_fractal_row *row, uint
     out[i] = out[0];
 }
 
+/* Fractals of one shape in all lanes alone have gradients, and only along the coordinates. */
+static void gradient_of(const pl_node_call *call, const pl_fractal_row *row, uint32_t seed,
+                        float out[PL_LANES], float gradient[3][PL_LANES]) {
+  pl_pattern_place place;
+  pl_pattern_place_of(call, &place);
+  const pl_fractal shape = shape_of(call, seed, 0);
+  row->gradient_lanes(&shape, &place.point, place.width, out, gradient);
+}
+
 static float finite_or(float x, float other) { return isfinite(x) ? x : other; }
 
+static const unsigned NOISE_SHAPED = 1u << OCTAVES | 1u << ROUGHNESS | 1u << LACUNARITY;
+
 static void noise(const pl_node_call *call) {
-  static const unsigned SHAPED = 1u << OCTAVES | 1u << ROUGHNESS | 1u << LACUNARITY;
   float value[PL_LANES];
-  fractal_of(call, &pl_fractal_rows[PL_FRACTAL_FBM], pl_pattern_seed(call, 0), SHAPED, value);
+  fractal_of(call, &pl_fractal_rows[PL_FRACTAL_FBM], pl_pattern_seed(call, 0), NOISE_SHAPED, value);
   PL_EACH_LANE(i) pl_lane_scalar(call->out[0], i, finite_or(0.5f + 0.5f * value[i], 0.5f));
+}
+
+static void noise_slopes(const pl_node_call *call) {
+  float value[PL_LANES], gradient[3][PL_LANES];
+  gradient_of(call, &pl_fractal_rows[PL_FRACTAL_FBM], pl_pattern_seed(call, 0), value, gradient);
+  PL_EACH_LANE(i) {
+    pl_lane_scalar(call->out[0], i, finite_or(0.5f + 0.5f * value[i], 0.5f));
+    for (int axis = 0; axis < 3; axis++)
+      gradient[axis][i] *= 0.5f;
+  }
+  pl_pattern_slopes(call, (const float(*)[PL_LANES])gradient);
+}
+
+static bool noise_has_slopes(const pl_constant *constants, unsigned uniform, unsigned read) {
+  (void)constants;
+  (void)read;
+  return (uniform & NOISE_SHAPED) == NOISE_SHAPED;
 }
 
 static const pl_socket noise_inputs[] = {SHAPE_INPUTS};
@@ -62,19 +89,36 @@ const pl_node_kind pl_node_noise = {
     .constants = noise_constants,
     .constant_count = 1,
     .evaluate = noise,
+    .evaluate_slopes = noise_slopes,
+    .has_slopes = noise_has_slopes,
 };
 
 /* In the order of pl_fractal_kind, whose rows have the same names (a test compares them). */
 static const char *const fractals[] = {"fbm",    "multifractal", "hetero_terrain",
                                        "ridged", "hybrid",       NULL};
 
+static const unsigned MUSGRAVE_SHAPED =
+    1u << OCTAVES | 1u << ROUGHNESS | 1u << LACUNARITY | 1u << OFFSET | 1u << GAIN;
+
 static void musgrave(const pl_node_call *call) {
-  static const unsigned SHAPED =
-      1u << OCTAVES | 1u << ROUGHNESS | 1u << LACUNARITY | 1u << OFFSET | 1u << GAIN;
   const pl_fractal_row *row = &pl_fractal_rows[(int)call->constants[0].number];
   float value[PL_LANES];
-  fractal_of(call, row, pl_pattern_seed(call, 1), SHAPED, value);
+  fractal_of(call, row, pl_pattern_seed(call, 1), MUSGRAVE_SHAPED, value);
   PL_EACH_LANE(i) pl_lane_scalar(call->out[0], i, finite_or(value[i], 0.0f));
+}
+
+static void musgrave_slopes(const pl_node_call *call) {
+  const pl_fractal_row *row = &pl_fractal_rows[(int)call->constants[0].number];
+  float value[PL_LANES], gradient[3][PL_LANES];
+  gradient_of(call, row, pl_pattern_seed(call, 1), value, gradient);
+  PL_EACH_LANE(i) pl_lane_scalar(call->out[0], i, finite_or(value[i], 0.0f));
+  pl_pattern_slopes(call, (const float(*)[PL_LANES])gradient);
+}
+
+static bool musgrave_has_slopes(const pl_constant *constants, unsigned uniform, unsigned read) {
+  (void)constants;
+  (void)read;
+  return (uniform & MUSGRAVE_SHAPED) == MUSGRAVE_SHAPED;
 }
 
 static const pl_socket musgrave_inputs[] = {
@@ -107,4 +151,6 @@ const pl_node_kind pl_node_musgrave = {
     .constants = musgrave_constants,
     .constant_count = 2,
     .evaluate = musgrave,
+    .evaluate_slopes = musgrave_slopes,
+    .has_slopes = musgrave_has_slopes,
 };

@@ -23,3 +23,17 @@ PL_WIDE void pl_pattern_place_of(const pl_node_call *call, pl_pattern_place *out
     out->side[i] = sqrtf(PL_PI_F) * wide;
   }
 }
+
+PL_WIDE void pl_pattern_slopes(const pl_node_call *call, const float gradient[3][PL_LANES]) {
+  const float(*v)[PL_LANES] = *call->in[0], *scale = (*call->in[1])[0];
+  const float(*slope)[3][PL_LANES] = *call->in_slopes[0],
+        (*scale_slope)[3][PL_LANES] = *call->in_slopes[1];
+  for (size_t axis = 0; axis < 2; axis++)
+    PL_EACH_LANE(i) {
+      float sum = 0.0f;
+#pragma GCC unroll 3
+      for (size_t k = 0; k < 3; k++)
+        sum += gradient[k][i] * (scale[i] * slope[axis][k][i] + scale_slope[axis][0][i] * v[k][i]);
+      pl_slope_scalar(call->out_slopes[0], axis, i, sum);
+    }
+}

@@ -22,6 +22,9 @@ typedef struct pl_pattern_place {
 
 void pl_pattern_place_of(const pl_node_call *call, pl_pattern_place *out);
 
+/* Slopes of output 0 of a pattern, from its gradient per cell. */
+void pl_pattern_slopes(const pl_node_call *call, const float gradient[3][PL_LANES]);
+
 static inline pl_vec3 pl_pattern_point(const pl_pattern_place *place, size_t lane) {
   const double(*at)[PL_LANES] = place->point.at;
   return pl_vec3_make(at[0][lane], at[1][lane], at[2][lane]);

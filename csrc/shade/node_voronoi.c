@@ -21,21 +21,36 @@ static float mean_of(int feature, float randomness, float smoothness) {
   }
 }
 
-/* The distances of the feature, and the cells that contain the points. */
+/* Against the unit vectors to the nearest sites. */
+PL_WIDE static void first_gradient(const pl_cellular_lanes *cell, float gradient[3][PL_LANES]) {
+  for (size_t axis = 0; axis < 3; axis++)
+    PL_EACH_LANE(i) {
+      const float by = cell->first[i] > 0.0f ? -1.0f / cell->first[i] : 0.0f;
+      gradient[axis][i] = by * cell->to_site[axis][i];
+    }
+}
+
+/* The distances of the feature, and the cells that contain the points. gradient: of the distances,
+ * or NULL. */
 static void find(const pl_node_call *call, int feature, const pl_pattern_place *place,
-                 pl_cellular_lanes *cell, float distance[PL_LANES]) {
+                 pl_cellular_lanes *cell, float distance[PL_LANES], float gradient[3][PL_LANES]) {
   const uint32_t seed = pl_pattern_seed(call, 1);
   const float *randomness = (*call->in[2])[0], *smoothness = (*call->in[3])[0];
   if (feature == EDGE) {
-    pl_cellular_edge_lanes(&place->point, randomness, seed, cell, distance);
+    pl_cellular_edge_lanes(&place->point, randomness, seed, cell, distance, gradient);
     return;
   }
   if (feature == SMOOTH) {
     pl_cellular_smooth_lanes(call->count, &place->point, randomness, smoothness, seed, cell,
-                             distance);
+                             distance, gradient);
     return;
   }
-  pl_cellular_find_lanes(&place->point, randomness, seed, cell);
+  if (feature == SECOND && gradient != NULL)
+    pl_cellular_second_lanes(&place->point, randomness, seed, cell, gradient);
+  else
+    pl_cellular_find_lanes(&place->point, randomness, seed, cell);
+  if (feature == FIRST && gradient != NULL)
+    first_gradient(cell, gradient);
   memcpy(distance, feature == FIRST ? cell->first : cell->second, sizeof cell->first);
 }
 
@@ -62,7 +77,8 @@ PL_WIDE static void put(const pl_cellular_lanes *cell, const float *restrict dis
   }
 }
 
-static void voronoi(const pl_node_call *call) {
+/* gradient: of the distance, or NULL. */
+static void evaluate(const pl_node_call *call, float gradient[3][PL_LANES]) {
   const int feature = (int)call->constants[0].number;
   float left[PL_LANES], kept[PL_LANES], mean[PL_LANES], distance[PL_LANES];
   pl_cellular_lanes cell = {0};
@@ -79,8 +95,26 @@ static void voronoi(const pl_node_call *call) {
   for (size_t i = 0; i < PL_LANES; i++)
     most = pl_maxf(left[i], most);
   if (most > 0.0f) /* if the cells have faded completely, no search is needed */
-    find(call, seen ? feature : FIRST, &place, &cell, distance);
+    find(call, seen ? feature : FIRST, &place, &cell, distance, gradient);
+  for (size_t axis = 0; gradient != NULL && axis < 3; axis++)
+    PL_EACH_LANE(i) gradient[axis][i] *= kept[i];
   put(&cell, distance, mean, left, kept, call->out);
+}
+
+static void voronoi(const pl_node_call *call) { evaluate(call, NULL); }
+
+static void voronoi_slopes(const pl_node_call *call) {
+  float gradient[3][PL_LANES] = {{0.0f}};
+  evaluate(call, gradient);
+  pl_pattern_slopes(call, (const float(*)[PL_LANES])gradient);
+  memset(call->out_slopes[1], 0, sizeof(pl_slopes));
+}
+
+/* Of the distances of cells of one kind; colours have steps. */
+static bool has_slopes(const pl_constant *constants, unsigned uniform, unsigned read) {
+  static const unsigned SHAPED = 1u << 2 | 1u << 3;
+  (void)constants;
+  return (uniform & SHAPED) == SHAPED && (read & 1u << 1) == 0;
 }
 
 static const pl_socket inputs[] = {
@@ -107,4 +141,6 @@ const pl_node_kind pl_node_voronoi = {
     .constants = constants,
     .constant_count = 2,
     .evaluate = voronoi,
+    .evaluate_slopes = voronoi_slopes,
+    .has_slopes = has_slopes,
 };

@@ -12,6 +12,9 @@
 typedef float pl_value[4];
 /* A value at each point of a batch: first the index of the number, then the lane. */
 typedef float pl_lanes[4][PL_LANES];
+/* Derivatives of a value at each point along the two axes of a tangent plane: first the axis, then
+ * x, y or z, then the lane. */
+typedef float pl_slopes[2][3][PL_LANES];
 
 /* A scalar input converts a vector to its mean, and a colour to its luminance (Rec. 709). */
 typedef enum pl_socket_type { PL_SCALAR, PL_VECTOR, PL_COLOR } pl_socket_type;
