@@ -7,6 +7,7 @@ import subprocess
 import sys
 
 import pytest
+from tests.python import shape_scenes
 
 import perilune
 from perilune import _core
@@ -17,6 +18,7 @@ GROWTH = """
 import gc, json, os, sys
 import perilune
 from perilune import _core
+from tests.python import shape_scenes
 
 names = [channel["name"] for channel in _core.CHANNELS] + ["objects"]
 sim = perilune.open(sys.argv[1], overrides={"camera.sensor": {}})
@@ -44,6 +46,43 @@ def test_resident_size_stays(repo_dir):
     assert result.returncode == 0, result.stderr
     sizes = json.loads(result.stdout)
     assert abs(sizes["1000"] / sizes["100"] - 1.0) < 0.01, sizes
+
+
+CHANGES = """
+import gc, json, os, sys
+import perilune
+from perilune.frame import handles
+
+handles._FILES = 2
+page = os.sysconf("SC_PAGESIZE")
+base = perilune.open(sys.argv[1], overrides={"camera.width": 16, "camera.height": 12})
+sizes = {}
+for count in range(1, 17):
+    shape = {"file": sys.argv[2], "metres_per_unit": 6e6 + count}
+    change = {"spacecraft.sat.crease_angle_deg": 20.0 + count, "bodies.earth.shape": shape}
+    base.with_overrides(change).frame(count, channels=["instance"], threads=1)
+    if count in (6, 16):
+        gc.collect()
+        with open("/proc/self/statm") as file:
+            sizes[count] = int(file.read().split()[1]) * page
+print(json.dumps(sizes))
+"""
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="reads /proc")
+@pytest.mark.slow
+def test_models_and_shapes_that_changed_are_freed(repo_dir, tmp_path):
+    """Frames of simulations with ever other models and shapes, which share their assets: meshes and
+    accelerators of earlier ones are given back. Kept, ten of both were 35 MB."""
+    scene = str(repo_dir / "tests/python/scene.yaml")
+    mesh = str(shape_scenes.write_obj(tmp_path / "ball.obj", *shape_scenes.ball(60)))
+    result = subprocess.run(
+        [sys.executable, "-c", CHANGES, scene, mesh], capture_output=True, text=True, timeout=600,
+        check=False,
+    )  # fmt: skip
+    assert result.returncode == 0, result.stderr
+    sizes = json.loads(result.stdout)
+    assert sizes["16"] - sizes["6"] < 10e6, sizes
 
 
 def requests(repo_dir, scene, frames):

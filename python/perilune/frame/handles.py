@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perilune import _core
+from perilune.base.kept import make_room
 from perilune.base.same import Same
 from perilune.bodies import atmospheres, ground, maps, photometry, rings, shapes
 from perilune.bodies.areas import Areas
@@ -52,10 +53,8 @@ _STAGES = 4
 """Number of scenes with renderers, and of atmospheres, to cache."""
 
 
-def _make_room(kept: dict[Any, Any]) -> None:
-    """Removes the oldest entry if there are too many."""
-    if len(kept) >= _STAGES:
-        del kept[next(iter(kept))]
+_FILES = 16
+"""Number of models, and of shapes, to keep besides those of the configuration that is built."""
 
 
 @dataclass
@@ -227,6 +226,7 @@ class Handles:
             path = str(self.document.path(craft.model, f"spacecraft.{name}.model"))
             key = (path, craft.crease_angle_deg, craft.stretch, repr(craft.faces))
             if key not in files:
+                make_room(files, _FILES + len(config.spacecraft))
                 try:
                     angle_rad = math.radians(craft.crease_angle_deg)
                     files[key] = read_model(path, angle_rad, craft.stretch, craft.faces)
@@ -422,6 +422,7 @@ class Handles:
             if (name, body.shape) not in self.assets.shapes:
                 key = f"bodies.{name}.shape"
                 path = self.document.path(body.shape.file, f"{key}.file")
+                make_room(self.assets.shapes, _FILES + len(config.bodies))
                 try:
                     self.assets.shapes[name, body.shape] = shapes.load(name, body.shape, path)
                 except ValueError as error:
@@ -442,7 +443,7 @@ class Handles:
         body = config.bodies[name]
         key = air_key(body)
         if key not in self.assets.airs:
-            _make_room(self.assets.airs)
+            make_room(self.assets.airs, _STAGES)
             try:
                 self.assets.airs[key] = atmospheres.air_of(config, body)
             except ValueError as error:
@@ -495,7 +496,7 @@ class Handles:
         acceleration structures."""
         key = self._stage_keys.of((config.bodies,), lambda: StageKey(self._built_from, config))
         if key not in self.assets.stages:
-            _make_room(self.assets.stages)
+            make_room(self.assets.stages, _STAGES)
             self.assets.stages[key] = self._stage(config)
         stage = self.assets.stages[key]
         try:

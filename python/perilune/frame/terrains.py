@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perilune import _core, orbits
+from perilune.base.kept import make_room
 from perilune.bodies import terrain as terrains
 from perilune.bodies.craters import read_catalogue
 from perilune.bodies.elevation import ElevationRaster, read_elevation
@@ -36,11 +37,6 @@ class Teller(Protocol):
     def tell_of_key(self, key: str, text: str) -> None: ...
 
 
-def _make_room(kept: dict[Any, Any]) -> None:
-    if len(kept) >= _GROUNDS:
-        del kept[next(iter(kept))]
-
-
 class Terrains:
     """Shared by the configurations that are derived from one another."""
 
@@ -56,7 +52,7 @@ class Terrains:
         radii = orbits.radii_m(body)
         key = (name, body.shape, tuple(radii.tolist()), body.is_geodetic)
         if key not in self._shapes:
-            _make_room(self._shapes)
+            make_room(self._shapes, _GROUNDS)
             self._shapes[key] = Ground(radii, body.is_geodetic, shape().surfaces_m)
         return self._shapes[key]
 
@@ -166,7 +162,7 @@ class Terrains:
             mask = read("mask", given.mask, MASK)
             catalogue = self.catalogue(document, name, body)
             textures = self._textures_of(document, where, given)
-            _make_room(self._terrains)
+            make_room(self._terrains, _GROUNDS)
             try:
                 core = terrains.core_terrain(
                     given,
