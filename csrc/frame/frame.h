@@ -90,6 +90,8 @@ typedef struct pl_frame_result {
   size_t ground_tiles, ground_bytes;
   double ground_widened;
   const char *ground_widened_body;
+  /* A body that states a patch of which the camera sees none; NULL for none. Borrowed, too. */
+  const char *ground_missed_body;
   double seconds[PL_STAGE_COUNT]; /* wall time; never part of an output array */
 } pl_frame_result;
 

@@ -100,11 +100,14 @@ void pl_height_fields_report(const pl_accelerators *kept, const pl_snapshot *sho
   result->ground_tiles = 0;
   result->ground_widened = 1.0;
   result->ground_widened_body = NULL;
+  result->ground_missed_body = NULL;
   for (size_t i = 0; i < shot->body_count; i++) {
     const pl_height_field *field = shot->bodies[i].field;
     if (field == NULL)
       continue;
     result->ground_tiles += field->count;
+    if (field->patch_missed && result->ground_missed_body == NULL)
+      result->ground_missed_body = shot->bodies[i].body->name;
     if (field->widened > result->ground_widened) {
       result->ground_widened = field->widened;
       result->ground_widened_body = shot->bodies[i].body->name;

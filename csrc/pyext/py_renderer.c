@@ -138,12 +138,12 @@ static PyObject *result_dict(const pl_frame_result *result) {
     Py_XDECREF(rows);
     return NULL;
   }
-  return Py_BuildValue("{s:d,s:d,s:d,s:N,s:N,s:N,s:{s:n,s:n,s:d,s:z}}", "white_radiance",
-                       result->white_radiance, "exposure_s", result->exposure_s, "gain_e_dn",
-                       result->gain, "plan", rows, "timings_s", timings, "stars", stars, "ground",
-                       "tiles", (Py_ssize_t)result->ground_tiles, "kept_bytes",
-                       (Py_ssize_t)result->ground_bytes, "widened", result->ground_widened,
-                       "widened_body", result->ground_widened_body);
+  return Py_BuildValue(
+      "{s:d,s:d,s:d,s:N,s:N,s:N,s:{s:n,s:n,s:d,s:z,s:z}}", "white_radiance", result->white_radiance,
+      "exposure_s", result->exposure_s, "gain_e_dn", result->gain, "plan", rows, "timings_s",
+      timings, "stars", stars, "ground", "tiles", (Py_ssize_t)result->ground_tiles, "kept_bytes",
+      (Py_ssize_t)result->ground_bytes, "widened", result->ground_widened, "widened_body",
+      result->ground_widened_body, "missed_body", result->ground_missed_body);
 }
 
 void pl_py_renderer_end(pl_py_renderer *self) {

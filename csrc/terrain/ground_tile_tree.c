@@ -189,25 +189,38 @@ static pl_status check(const pl_ground_tile_view *view) {
   return PL_OK;
 }
 
+static bool misses_patch(const tree *tree) {
+  const pl_terrain *terrain = tree->need.terrain;
+  if (!pl_terrain_has_patch(terrain))
+    return false;
+  for (uint32_t n = 0; n < tree->count; n++) {
+    const pl_ground_tile_node *node = &tree->nodes[n];
+    if (node->child == 0 && node->seen &&
+        !pl_terrain_beside_patch(terrain, node->center, node->radius_m))
+      return false;
+  }
+  return true;
+}
+
 pl_status pl_ground_tile_tree_choose(const pl_terrain *terrain, const pl_ground_tile_view *view,
-                                     pl_arena *arena, pl_ground_tile_id **out, size_t *count,
-                                     double *widened) {
+                                     pl_arena *arena, pl_ground_tile_choice *out) {
   PL_TRY(check(view));
   /* A tree with n leaves has (n - 6) / 3 inner nodes. */
   const size_t limit = view->limit < PL_CUBE_FACES ? PL_CUBE_FACES : view->limit;
   const size_t room = limit + (limit - PL_CUBE_FACES) / 3;
   tree tree = {.nodes = pl_arena_alloc(arena, room, sizeof *tree.nodes), .room = (uint32_t)room};
-  *out = pl_arena_alloc(arena, limit, sizeof **out);
-  if (tree.nodes == NULL || *out == NULL)
+  out->ids = pl_arena_alloc(arena, limit, sizeof *out->ids);
+  if (tree.nodes == NULL || out->ids == NULL)
     return pl_fail(PL_E_MEMORY, "out of memory for the choice of tiles");
   pl_cube_seams_find(&tree.seams);
-  *widened = 1.0;
-  tree.need = pl_ground_tile_need_of(terrain, view, *widened);
+  out->widened = 1.0;
+  tree.need = pl_ground_tile_need_of(terrain, view, out->widened);
   for (int step = 1; !build(&tree); step++) {
     PL_TRY(tree.status);
-    *widened = exp2(0.5 * step);
-    tree.need = pl_ground_tile_need_of(terrain, view, *widened);
+    out->widened = exp2(0.5 * step);
+    tree.need = pl_ground_tile_need_of(terrain, view, out->widened);
   }
-  *count = write_leaves(&tree, *out);
+  out->count = write_leaves(&tree, out->ids);
+  out->patch_missed = misses_patch(&tree);
   return PL_OK;
 }

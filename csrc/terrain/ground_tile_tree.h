@@ -47,11 +47,16 @@ typedef struct pl_ground_tile_view {
   bool rays;               /* tiles need the rays of craters (terrain/ground_tile_rays.h) */
 } pl_ground_tile_view;
 
-/* Writes the tiles, ordered along the tree and allocated in the arena. If they would be more than
- * `limit`, all cells are made wider, by steps of sqrt(2), until they are not, or until only what
- * the limit cannot avoid is left; `widened` returns the factor, 1 if the limit was kept. */
+typedef struct pl_ground_tile_choice {
+  pl_ground_tile_id *ids; /* ordered along the tree; of the arena */
+  size_t count;
+  double widened;    /* factor by which cells are wider than asked, for the limit; 1: none */
+  bool patch_missed; /* the terrain states a patch, and no tile that touches it is in the frame */
+} pl_ground_tile_choice;
+
+/* Chooses the tiles. If they would be more than `limit`, all cells are made wider, by steps of
+ * sqrt(2), until they are not, or until only what the limit cannot avoid is left. */
 pl_status pl_ground_tile_tree_choose(const pl_terrain *terrain, const pl_ground_tile_view *view,
-                                     pl_arena *arena, pl_ground_tile_id **out, size_t *count,
-                                     double *widened);
+                                     pl_arena *arena, pl_ground_tile_choice *out);
 
 #endif

@@ -22,6 +22,7 @@ typedef struct pl_height_field {
   void *scene;     /* RTCScene with an instance a tile, of the index of the tile; borrowed */
   double radius_m; /* of a sphere around the body's centre that encloses the ground */
   double widened;  /* factor by which cells are wider than asked, for the limit of tiles; 1: none */
+  bool patch_missed; /* no tile of the patch that the terrain states is in the frame */
 } pl_height_field;
 
 /* A triangle of a rock. */

@@ -192,11 +192,13 @@ const pl_raster_stack *pl_terrain_roughness(const pl_terrain *terrain) {
 
 const pl_raster_stack *pl_terrain_mask(const pl_terrain *terrain) { return &terrain->mask; }
 
+bool pl_terrain_has_patch(const pl_terrain *terrain) { return terrain->patch.side_m > 0.0; }
+
 bool pl_terrain_beside_patch(const pl_terrain *terrain, pl_vec3 center, double radius_m) {
   const pl_terrain_patch *patch = &terrain->patch;
   const pl_vec3 up = patch->center;
   const pl_vec3 pole = fabs(up.z) < 1.0 ? (pl_vec3){0.0, 0.0, 1.0} : (pl_vec3){1.0, 0.0, 0.0};
-  if (!(patch->side_m > 0.0))
+  if (!pl_terrain_has_patch(terrain))
     return false;
   const pl_vec3 east = pl_vec3_unit(pl_vec3_cross(pole, up)), north = pl_vec3_cross(up, east);
   const double reach_m = 0.5 * patch->side_m + radius_m;

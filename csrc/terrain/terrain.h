@@ -104,6 +104,7 @@ double pl_terrain_texture_brightest(const pl_terrain *terrain);
 const pl_raster_stack *pl_terrain_albedo(const pl_terrain *terrain);
 const pl_raster_stack *pl_terrain_roughness(const pl_terrain *terrain);
 const pl_raster_stack *pl_terrain_mask(const pl_terrain *terrain);
+bool pl_terrain_has_patch(const pl_terrain *terrain);
 /* Whether a sphere (body axes, m) is wholly beside the patch that the terrain states: over none of
  * the ground of the square about its centre, with sides to the east and the north. */
 bool pl_terrain_beside_patch(const pl_terrain *terrain, pl_vec3 center, double radius_m);

@@ -227,27 +227,30 @@ pl_status pl_height_field_build(pl_accelerators *kept, const pl_terrain *terrain
                                 const pl_ground_tile_view *view, int threads, pl_cancel *cancel,
                                 pl_arena *arena, const pl_height_field **out) {
   build build = {.kept = kept, .terrain = terrain, .number = pl_terrain_number(terrain)};
-  pl_ground_tile_id *ids;
+  pl_ground_tile_choice chosen;
   PL_TRY(pl_ground_tiles_open(kept, &build.tiles));
   pl_height_field *field = pl_arena_alloc(arena, 1, sizeof *field);
   if (field == NULL)
     return pl_fail(PL_E_MEMORY, "out of memory for the ground");
-  *field = (pl_height_field){.terrain = terrain};
-  PL_TRY(pl_ground_tile_tree_choose(terrain, view, arena, &ids, &field->count, &field->widened));
-  PL_TRY(check_rocks(terrain, ids, field->count));
-  PL_TRY(make_missing(&build, ids, field->count, threads, cancel));
-  build.ids = ids;
+  PL_TRY(pl_ground_tile_tree_choose(terrain, view, arena, &chosen));
+  *field = (pl_height_field){.terrain = terrain,
+                             .count = chosen.count,
+                             .widened = chosen.widened,
+                             .patch_missed = chosen.patch_missed};
+  PL_TRY(check_rocks(terrain, chosen.ids, field->count));
+  PL_TRY(make_missing(&build, chosen.ids, field->count, threads, cancel));
+  build.ids = chosen.ids;
   if (view->rays && pl_terrain_ray_brightness(terrain) > 0.0)
     PL_TRY(make_missing_rays(&build, field->count, threads, cancel));
   const pl_ground_tile **tiles = pl_arena_alloc(arena, field->count, sizeof *tiles);
   if (tiles == NULL)
     return pl_fail(PL_E_MEMORY, "out of memory for the ground");
   for (size_t k = 0; k < field->count; k++)
-    tiles[k] = &pl_ground_tiles_find(build.tiles, build.number, ids[k])->tile;
+    tiles[k] = &pl_ground_tiles_find(build.tiles, build.number, chosen.ids[k])->tile;
   field->tiles = tiles;
   measure(field, view->eye);
   PL_TRY(number_rocks(arena, field));
-  PL_TRY(build_scene(&build, ids, field));
+  PL_TRY(build_scene(&build, chosen.ids, field));
   *out = field;
   return PL_OK;
 }

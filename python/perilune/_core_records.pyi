@@ -190,6 +190,7 @@ class GroundUse(TypedDict):
     kept_bytes: int  # of tiles that are kept between frames
     widened: float  # factor by which cells are wider than asked, for the limit of tiles; 1: none
     widened_body: str | None  # the body whose cells are
+    missed_body: str | None  # a body that states a patch of which the camera sees none
 
 class FrameResult(TypedDict):
     white_radiance: float  # nan: automatic, and no colour was asked for

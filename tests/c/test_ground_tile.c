@@ -106,12 +106,12 @@ static size_t add_edge(const pl_ground_tile *tile, size_t index, int side, edge_
 /* Makes the tiles of a frame and compares what they share. */
 static void check_seams(const pl_terrain *terrain, const pl_ground_tile_view *view) {
   pl_arena arena;
-  pl_ground_tile_id *ids;
-  size_t count, posts = 0, stitched = 0;
-  double widened;
+  pl_ground_tile_choice chosen;
+  size_t posts = 0, stitched = 0;
   pl_arena_init(&arena);
-  assert_int_equal(pl_ground_tile_tree_choose(terrain, view, &arena, &ids, &count, &widened),
-                   PL_OK);
+  assert_int_equal(pl_ground_tile_tree_choose(terrain, view, &arena, &chosen), PL_OK);
+  const pl_ground_tile_id *ids = chosen.ids;
+  const size_t count = chosen.count;
   edge_post *edge = malloc(count * 4 * POSTS * sizeof *edge);
   pl_ground_tile *tile = malloc(sizeof *tile);
   for (size_t k = 0; k < count; k++) {

@@ -14,14 +14,18 @@ typedef struct choice {
   pl_ground_tile_id *ids;
   size_t count;
   double widened;
+  bool patch_missed;
 } choice;
 
 static choice choose(const pl_terrain *terrain, const pl_ground_tile_view *view) {
   choice out;
+  pl_ground_tile_choice chosen;
   pl_arena_init(&out.arena);
-  assert_int_equal(
-      pl_ground_tile_tree_choose(terrain, view, &out.arena, &out.ids, &out.count, &out.widened),
-      PL_OK);
+  assert_int_equal(pl_ground_tile_tree_choose(terrain, view, &out.arena, &chosen), PL_OK);
+  out.ids = chosen.ids;
+  out.count = chosen.count;
+  out.widened = chosen.widened;
+  out.patch_missed = chosen.patch_missed;
   return out;
 }
 
@@ -355,11 +359,8 @@ static void bad_views_are_refused(void **state) {
   pl_arena arena;
   pl_arena_init(&arena);
   for (int k = 0; k < 6; k++) {
-    pl_ground_tile_id *ids;
-    size_t count;
-    double widened;
-    assert_int_equal(pl_ground_tile_tree_choose(terrain, &bad[k], &arena, &ids, &count, &widened),
-                     PL_E_RANGE);
+    pl_ground_tile_choice chosen;
+    assert_int_equal(pl_ground_tile_tree_choose(terrain, &bad[k], &arena, &chosen), PL_E_RANGE);
   }
   pl_arena_clear(&arena);
   pl_terrain_destroy(terrain);

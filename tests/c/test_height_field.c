@@ -415,7 +415,8 @@ static void reports_name_the_body_of_the_widest_cells(void **state) {
   (void)state;
   char names[3][8] = {"moon", "mars", "phobos"};
   pl_body bodies[3] = {{.name = names[0]}, {.name = names[1]}, {.name = names[2]}};
-  pl_height_field fields[2] = {{.count = 5, .widened = 1.0}, {.count = 7, .widened = 1.5}};
+  pl_height_field fields[2] = {{.count = 5, .widened = 1.0},
+                               {.count = 7, .widened = 1.5, .patch_missed = true}};
   pl_shot_body shot_bodies[3] = {{.body = &bodies[0], .field = &fields[0]},
                                  {.body = &bodies[1], .field = &fields[1]},
                                  {.body = &bodies[2]}};
@@ -427,9 +428,12 @@ static void reports_name_the_body_of_the_widest_cells(void **state) {
   assert_int_equal(result.ground_tiles, 12);
   assert_true(result.ground_widened == 1.5);
   assert_string_equal(result.ground_widened_body, "mars");
+  assert_string_equal(result.ground_missed_body, "mars");
   fields[1].widened = 1.0;
+  fields[1].patch_missed = false;
   pl_height_fields_report(kept, &shot, &result);
   assert_true(result.ground_widened == 1.0 && result.ground_widened_body == NULL);
+  assert_null(result.ground_missed_body);
   pl_accelerators_destroy(kept);
 }
 

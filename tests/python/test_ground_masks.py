@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from pathlib import Path
 from typing import Any
 
@@ -114,6 +115,22 @@ def test_the_mesh_is_fine_in_the_patch_alone() -> None:
     assert (off_m[reach < 290.0] == 0.0).all()
     assert (reach < 290.0).sum() > 100
     assert (off_m[reach > 800.0] > 0.0).mean() > 0.5
+
+
+@pytest.mark.parametrize(("east_m", "missed"), [(0.0, 0), (3000.0, 1), (2.73e6, 1)])
+def test_a_patch_out_of_sight_is_told_once(east_m: float, missed: int) -> None:
+    """The frame is about 1 km wide at the camera's foot, over the centre; the last patch is
+    behind the horizon."""
+    lon_deg = CENTER[0] + math.degrees(east_m / 1737.4e3)
+    patch = {"center_lon_lat_deg": [lon_deg, CENTER[1]], "side_m": 100.0}
+    sim = moon({"detail": {"seed": 1}, "patch": patch})
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        for index in (0, 1):
+            sim.frame(index, ["depth"])
+    assert [
+        str(one.message).count("terrain.patch: the camera sees none of it") for one in told
+    ] == [1] * missed
 
 
 def test_a_patch_needs_a_side() -> None:

@@ -27,12 +27,20 @@ class Remarks:
                 warnings.warn(f"{where}: {text}", ConfigWarning, stacklevel=2)
 
     def tell_of_ground(self, source: str, ground: _core.GroundUse) -> None:
-        """Warns once of ground that is coarser than asked. source: the configuration's file."""
+        """Warns once of ground that is coarser than asked, and of a patch that is not in sight.
+
+        source: the configuration's file."""
         if ground["widened"] > 1.0:
             self.tell_of_key(
                 f"{source}: bodies.{ground['widened_body']}.terrain",
                 "the view needs more tiles than the limit: cells are"
                 f" {ground['widened']:.3g} times as wide as cells_per_pixel asks",
+            )
+        if ground["missed_body"] is not None:
+            self.tell_of_key(
+                f"{source}: bodies.{ground['missed_body']}.terrain.patch",
+                "the camera sees none of it: all ground in sight is coarse. Move center_lon_lat_deg"
+                " or the camera, or leave the patch out",
             )
 
     def tell(self, where: str, path: str, lines: Iterable[str]) -> None:
