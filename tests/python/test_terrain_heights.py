@@ -108,6 +108,11 @@ def along_over_across(h: F64, low: float, high: float) -> float:
     n = len(h)
     window = np.hanning(n)
     power = np.abs(np.fft.fft2((h - h.mean()) * np.outer(window, window))) ** 2
+    return energy_along_over_across(power, low, high)
+
+
+def energy_along_over_across(power: F64, low: float, high: float) -> float:
+    n = len(power)
     fx, fy = np.meshgrid(np.fft.fftfreq(n), np.fft.fftfreq(n))
     f = np.hypot(fx, fy)
     turn = np.degrees(np.arctan2(fy, fx)) % 90.0
@@ -204,6 +209,31 @@ def test_no_directions_and_no_creases() -> None:
     assert crease(folded) > 1.5
     plain = np.mean([crease(diamond_square(0.95, 9, seed)) for seed in range(3)])
     assert plain > 1.5
+
+
+def sampled_along_over_across(hurst: float, n: int, low: float, high: float) -> float:
+    """Of an isotropic fractal without an end, sampled at n x n nodes: what is finer folds back,
+    more along the axes than along diagonals."""
+    fx, fy = np.meshgrid(np.fft.fftfreq(n), np.fft.fftfreq(n))
+    shift = np.arange(-6, 7)
+    away = np.hypot(fx[..., None, None] + shift[:, None], fy[..., None, None] + shift)
+    power = (np.maximum(away, 0.5 / n) ** (-2.0 * hurst - 2.0)).sum(axis=(2, 3))
+    return energy_along_over_across(power, low, high)
+
+
+@pytest.mark.parametrize("hurst", [0.0, 0.25, 0.5, 0.76, 0.95])
+def test_no_direction_has_more_energy_at_any_hurst_exponent(hurst: float) -> None:
+    """Of waves of 2 to 4 and of 4 to 8 nodes, as of an isotropic fractal that is sampled there, at
+    distances of nodes of 0.5, 4 and 64 m; over 12 places, whose mean is uncertain by 3 %."""
+    n, bands = 129, ((0.125, 0.25), (0.25, 0.5))
+    expected = [sampled_along_over_across(hurst, n, *band) for band in bands]
+    found = []
+    for k in range(12):
+        terrain = _core.Terrain(RADII_M, detail=law(hurst, k, 0.01))
+        frame = patch(np.zeros((n, n)), (0.5, 4.0, 64.0)[k % 3], lon=0.3 + 0.5 * k)
+        h = square(terrain, nodes(frame, 0, n - 1, n))
+        found.append([along_over_across(h, *band) for band in bands])
+    np.testing.assert_allclose(np.mean(found, axis=0) / expected, 1.0, atol=0.1)
 
 
 def test_diamond_square_does_not_know_where_a_raster_is_cut() -> None:
