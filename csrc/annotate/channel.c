@@ -283,7 +283,7 @@ static uint32_t area_at(const pl_label_run *run, size_t i) {
   return pl_area_map_at(label->areas, pl_mat3_mul_vec_t(label->rotation, from));
 }
 
-static void find_parts(const pl_vertex *points, pl_label_run *run) {
+static void find_parts(const pl_point *points, pl_label_run *run) {
   const pl_object *parts = run->label.parts;
   run->points = points;
   for (size_t i = 0; i < run->count; i++)
@@ -292,10 +292,10 @@ static void find_parts(const pl_vertex *points, pl_label_run *run) {
                                                : 0;
 }
 
-static void gather(const pl_vertex *points, pl_label_run *run) {
+static void gather(const pl_point *points, pl_label_run *run) {
   for (size_t i = 0; i < run->count; i++) {
     const pl_vec3 p = points[i].position;
-    const pl_vec3f n = points[i].surface.n, facet = points[i].surface.ng;
+    const pl_vec3f n = points[i].n, facet = points[i].facet;
     run->position[0][i] = p.x;
     run->position[1][i] = p.y;
     run->position[2][i] = p.z;
@@ -317,7 +317,7 @@ static void gather(const pl_vertex *points, pl_label_run *run) {
 }
 
 /* Returns the number of leading pixels with the same surface id, at most `count`. */
-static size_t length_of(const pl_vertex *points, size_t count) {
+static size_t length_of(const pl_point *points, size_t count) {
   size_t length = 1;
   while (length < count && pl_surface_same(points[length].surface_id, points[0].surface_id))
     length++;
@@ -342,7 +342,7 @@ unsigned pl_channels_need(void *const *images) {
   return needs;
 }
 
-void pl_channels_write(const pl_snapshot *shot, const pl_vertex *points, size_t count, size_t first,
+void pl_channels_write(const pl_snapshot *shot, const pl_point *points, size_t count, size_t first,
                        void *const *images) {
   pl_label_run run;
   run.shot = shot;

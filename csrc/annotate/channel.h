@@ -15,7 +15,7 @@ typedef struct pl_label_run {
   pl_surface_id surface_id;
   pl_geometry_label label;
   size_t count;
-  const pl_vertex *points;          /* of the pixels */
+  const pl_point *points;           /* of the pixels */
   double position[3][PL_LABEL_RUN]; /* camera-relative, m */
   double normal[3][PL_LABEL_RUN];   /* unit shading normal, facing the viewer */
   double facet[3][PL_LABEL_RUN];    /* unit geometric normal, facing the viewer */
@@ -61,7 +61,7 @@ unsigned pl_channels_need(void *const *images);
 
 /* Writes `count` pixels of a row to every requested channel. `images` is indexed as pl_channels;
  * NULL where a channel is not requested. `first` is the row-major index of the first pixel. */
-void pl_channels_write(const pl_snapshot *shot, const pl_vertex *points, size_t count, size_t first,
+void pl_channels_write(const pl_snapshot *shot, const pl_point *points, size_t count, size_t first,
                        void *const *images);
 /* The same for pixels that hit nothing. */
 void pl_channels_blank(const pl_snapshot *shot, size_t count, size_t first, void *const *images);

@@ -53,19 +53,19 @@ static void write_pixel(const pl_flow *flow, pl_flow_to which, const pl_sight *s
   moved[3 * at + 2] = point ? (float)(there.z - here.z) : NAN;
 }
 
-void pl_flow_write(const pl_flow *flow, const pl_snapshot *shot, const pl_vertex *points,
+void pl_flow_write(const pl_flow *flow, const pl_snapshot *shot, const pl_point *points,
                    size_t stride, const int tile[4]) {
   for (int y = 0; y < tile[3]; y++)
     for (int x = 0; x < tile[2]; x++) {
       const double from[2] = {tile[0] + x, tile[1] + y};
       const size_t at =
           (size_t)(tile[1] + y) * (size_t)shot->rays.camera.width + (size_t)(tile[0] + x);
-      const pl_vertex *vertex = points != NULL ? &points[(size_t)y * stride + (size_t)x] : NULL;
-      const bool hit = vertex != NULL && !pl_surface_is_none(vertex->surface_id);
-      const pl_sight s = hit ? pl_sight_of(shot, vertex)
+      const pl_point *point = points != NULL ? &points[(size_t)y * stride + (size_t)x] : NULL;
+      const bool hit = point != NULL && !pl_surface_is_none(point->surface_id);
+      const pl_sight s = hit ? pl_sight_of(shot, point)
                              : pl_sight_towards(pl_snapshot_ray(shot, from[0], from[1]));
-      const pl_vec3 here = hit ? pl_mat3_mul_vec_t(shot->camera_to_root, vertex->position)
-                               : (pl_vec3){0.0, 0.0, 0.0};
+      const pl_vec3 here =
+          hit ? pl_mat3_mul_vec_t(shot->camera_to_root, point->position) : (pl_vec3){0.0, 0.0, 0.0};
       const bool any = hit || pl_vec3_dot(s.local, s.local) > 0.0;
       for (int to = 0; to < PL_FLOW_FRAMES; to++)
         if (flow->wanted[to])

@@ -38,7 +38,7 @@ bool pl_flow_init(void *const *channels, pl_flow *out);
 
 /* Writes all images of a tile (x0, y0, width, height), with `stride` points a row. `shot`: that of
  * the tile's instant. `points` NULL: nothing is hit. */
-void pl_flow_write(const pl_flow *flow, const pl_snapshot *shot, const pl_vertex *points,
+void pl_flow_write(const pl_flow *flow, const pl_snapshot *shot, const pl_point *points,
                    size_t stride, const int tile[4]);
 
 #endif

@@ -59,11 +59,11 @@ pl_status pl_ground_map_check(pl_ground_map *map) {
   return has_planes(map) || hazard ? pl_disc_init(map->settings->disc_points, &map->disc) : PL_OK;
 }
 
-void pl_ground_map_take(const pl_ground_map *map, const pl_snapshot *shot, const pl_vertex *points,
+void pl_ground_map_take(const pl_ground_map *map, const pl_snapshot *shot, const pl_point *points,
                         size_t stride, const int tile[4]) {
   const size_t width = (size_t)map->shot->rays.camera.width;
   for (int y = 0; y < tile[3]; y++) {
-    const pl_vertex *from = points + (size_t)y * stride;
+    const pl_point *from = points + (size_t)y * stride;
     pl_ground_point *to = map->points + (size_t)(tile[1] + y) * width + (size_t)tile[0];
     for (int x = 0; x < tile[2]; x++) {
       const pl_shot_body *body = pl_ground_body(shot, from[x].surface_id);

@@ -70,7 +70,7 @@ pl_status pl_ground_map_check(pl_ground_map *map);
 
 /* Takes the points of a tile, with `stride` points a row. `tile`: x0, y0, width, height. `shot`:
  * that of the tile's instant. */
-void pl_ground_map_take(const pl_ground_map *map, const pl_snapshot *shot, const pl_vertex *points,
+void pl_ground_map_take(const pl_ground_map *map, const pl_snapshot *shot, const pl_point *points,
                         size_t stride, const int tile[4]);
 
 /* Pixels of a square of the picture that see one body, or none. */

@@ -10,7 +10,7 @@ static size_t slot_of(pl_surface_id id, size_t first_body) {
   return (pl_surface_is_mesh(id) ? 0 : first_body) + pl_surface_index(id);
 }
 
-void pl_extent_add(pl_extent *extents, size_t first_body, const pl_vertex *points, size_t stride,
+void pl_extent_add(pl_extent *extents, size_t first_body, const pl_point *points, size_t stride,
                    const int tile[4]) {
   for (int y = 0; y < tile[3]; y++) {
     for (int x = 0; x < tile[2]; x++) {

@@ -47,7 +47,7 @@ typedef struct pl_extent {
 #define PL_EXTENT_NO_BODIES SIZE_MAX
 /* Adds the pixels of a tile. `extents` has an element per slot (pl_shot_slot); `first_body` is the
  * slot of the first body, whose ground has that of the body. */
-void pl_extent_add(pl_extent *extents, size_t first_body, const pl_vertex *points, size_t stride,
+void pl_extent_add(pl_extent *extents, size_t first_body, const pl_point *points, size_t stride,
                    const int tile[4]);
 void pl_extent_merge(pl_extent *into, const pl_extent *from);
 

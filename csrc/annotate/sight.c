@@ -84,28 +84,28 @@ static pl_affine place_of_mesh(const pl_shot_object *object, const pl_shot_piece
   return out;
 }
 
-pl_sight pl_sight_of(const pl_snapshot *shot, const pl_vertex *vertex) {
+pl_sight pl_sight_of(const pl_snapshot *shot, const pl_point *point) {
   pl_sight s = {.is_point = true,
-                .surface_id = vertex->surface_id,
-                .index = pl_surface_index(vertex->surface_id)};
+                .surface_id = point->surface_id,
+                .index = pl_surface_index(point->surface_id)};
   pl_affine here;
-  if (pl_surface_is_mesh(vertex->surface_id)) {
-    const pl_shot_object *object = pl_shot_object_of(shot, vertex->surface_id);
-    const pl_shot_piece *piece = pl_shot_piece_of(object, vertex->triangle);
+  if (pl_surface_is_mesh(point->surface_id)) {
+    const pl_shot_object *object = pl_shot_object_of(shot, point->surface_id);
+    const pl_shot_piece *piece = pl_shot_piece_of(object, point->triangle);
     here = place_of_mesh(object, piece);
     s.object = object->object;
     s.piece = piece != NULL ? (size_t)(piece - object->pieces) : 0;
-    s.triangle = vertex->triangle + 1;
+    s.triangle = point->triangle + 1;
   } else {
-    const pl_shot_body *body = pl_shot_body_of(shot, vertex->surface_id);
+    const pl_shot_body *body = pl_shot_body_of(shot, point->surface_id);
     here = (pl_affine){body->rotation, body->center};
     s.radii = body->state->radii_m;
-    s.cell_m = (double)pl_vec3f_norm(vertex->edge1);
+    s.cell_m = (double)pl_vec3f_norm(point->edge1);
   }
   const pl_affine back = pl_affine_inverse(&here);
-  s.local = pl_affine_apply(&back, vertex->position);
+  s.local = pl_affine_apply(&back, point->position);
   /* Normals are covectors. */
-  s.normal = pl_mat3_mul_vec_t(here.m, pl_vec3f_to_double(vertex->surface.ng));
+  s.normal = pl_mat3_mul_vec_t(here.m, pl_vec3f_to_double(point->facet));
   return s;
 }
 

@@ -34,7 +34,7 @@ typedef struct pl_sight {
 } pl_sight;
 
 /* What a ray through a pixel's centre hit. */
-pl_sight pl_sight_of(const pl_snapshot *shot, const pl_vertex *vertex);
+pl_sight pl_sight_of(const pl_snapshot *shot, const pl_point *point);
 static inline pl_sight pl_sight_towards(pl_vec3 direction) {
   return (pl_sight){.local = direction, .surface_id = PL_NO_SURFACE};
 }

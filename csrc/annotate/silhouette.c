@@ -10,11 +10,11 @@ enum { TILE = 32, CELL = 8, TILE_PIXELS = TILE * TILE, TILE_CELLS = TILE / CELL 
 
 static const pl_silhouette nothing = {INT32_MAX, INT32_MAX, INT32_MIN, INT32_MIN, 0, 0, 0};
 
-void pl_seen_write(const pl_vertex *points, size_t stride, const int tile[4], int image_width,
+void pl_seen_write(const pl_point *points, size_t stride, const int tile[4], int image_width,
                    pl_seen *seen) {
   for (int y = 0; y < tile[3]; y++) {
     pl_seen *out = seen + (size_t)(tile[1] + y) * (size_t)image_width + (size_t)tile[0];
-    const pl_vertex *row = points + (size_t)y * stride;
+    const pl_point *row = points + (size_t)y * stride;
     for (int x = 0; x < tile[2]; x++) {
       out[x].surface_id = row[x].surface_id;
       out[x].triangle = row[x].triangle;

@@ -23,7 +23,7 @@ typedef struct pl_seen {
 
 /* Stores the pixels of a tile; `points` has `stride` vertices per row, `seen` is the whole
  * image. */
-void pl_seen_write(const pl_vertex *points, size_t stride, const int tile[4], int image_width,
+void pl_seen_write(const pl_point *points, size_t stride, const int tile[4], int image_width,
                    pl_seen *seen);
 
 /* Silhouette of an object; can be merged in any order. */

@@ -41,7 +41,8 @@ static void label_ray(const pl_scan_job *job, const pl_scan_labels *out, const p
   const pl_vertex *point = &chunk->points[i];
   const pl_scan_ray *ray = &chunk->rays[echo->index];
   const size_t beam = ray->beam;
-  pl_channels_write(&job->instant->shot, point, 1, beam, out->channels);
+  const pl_point labelled = pl_point_of(point);
+  pl_channels_write(&job->instant->shot, &labelled, 1, beam, out->channels);
   if (out->range_m != NULL)
     out->range_m[beam] = echo->range_m;
   if (out->position != NULL)
@@ -94,7 +95,8 @@ static void write_labels(const pl_scan_job *job, const lidar_job *own, const pl_
   channels[own->instance] = &out->instance;
   channels[own->part] = &out->part;
   channels[own->semantic] = out->semantic;
-  pl_channels_write(&job->instant->shot, point, 1, 0, channels);
+  const pl_point labelled = pl_point_of(point);
+  pl_channels_write(&job->instant->shot, &labelled, 1, 0, channels);
 }
 
 static void write_return(const pl_scan_job *job, const lidar_job *own, const pl_scan_chunk *chunk,

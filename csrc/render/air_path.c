@@ -342,7 +342,7 @@ pl_vec3f pl_air_ground_light(const pl_path_context *context, uint32_t pixel,
 
 /* Sets the passage from the camera through the air of out->item to a pixel's point; false if there
  * is no air. */
-static bool find_seen(const pl_path_context *context, const pl_vertex *point, bool pieces,
+static bool find_seen(const pl_path_context *context, const pl_point *point, bool pieces,
                       const pl_air_pixel *pixel, passage *out) {
   const pl_air_view *view = context->settings->air;
   const bool ground = pl_surface_same(point->surface_id, pl_surface_of_body(out->item->body));
@@ -362,7 +362,7 @@ static bool find_seen(const pl_path_context *context, const pl_vertex *point, bo
 pl_vec3f pl_air_seen(const pl_path_context *context, uint32_t pixel, pl_vec3f radiance,
                      const pl_medium_list *list, pl_tile_buffers *b) {
   const pl_air_view *view = context->settings->air;
-  const pl_vertex *point = &b->points[pixel];
+  const pl_point *point = &b->points[pixel];
   const bool known = b->air.item != NULL && b->air.known[pixel] == PL_AIR_GROUND &&
                      pl_surface_same(point->surface_id, pl_surface_of_body(b->air.item->body));
   pl_vec3f sum = {0.0f, 0.0f, 0.0f}, through = {1.0f, 1.0f, 1.0f};

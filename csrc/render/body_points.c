@@ -70,21 +70,20 @@ PL_WIDE static void locate(size_t count, const pl_shot_body *body, const double 
 }
 
 static void put(const surface_run *run, const double *t, pl_surface_id id, size_t count,
-                pl_vertex *points) {
+                pl_point *points) {
   for (size_t i = 0; i < count; i++) {
-    pl_vertex *point = &points[i];
+    pl_point *point = &points[i];
     point->position = (pl_vec3){run->position[0][i], run->position[1][i], run->position[2][i]};
     point->t = t[i];
     point->surface_id = id;
     point->triangle = 0;
     point->w[0] = point->w[1] = point->w[2] = 0.0f;
     point->ng = (pl_vec3f){run->normal[0][i], run->normal[1][i], run->normal[2][i]};
-    point->surface.n = point->surface.ng =
-        (pl_vec3f){run->facing[0][i], run->facing[1][i], run->facing[2][i]};
+    point->n = point->facet = (pl_vec3f){run->facing[0][i], run->facing[1][i], run->facing[2][i]};
   }
 }
 
-static void fill_row(const pl_snapshot *shot, const row *row, pl_vertex *points) {
+static void fill_row(const pl_snapshot *shot, const row *row, pl_point *points) {
   surface_run run;
   for (size_t i = 0, end; i < row->count; i = end) {
     const uint32_t body = row->body[i];
@@ -101,7 +100,7 @@ static void fill_row(const pl_snapshot *shot, const row *row, pl_vertex *points)
 }
 
 void pl_body_points(const pl_snapshot *shot, pl_tile tile, pl_vec3 axis, double half_angle_rad,
-                    double directions[3][PL_TILE_PIXELS], pl_vertex *points) {
+                    double directions[3][PL_TILE_PIXELS], pl_point *points) {
   double t[PL_TILE_PIXELS];
   uint32_t hit[PL_TILE_PIXELS];
   row rows[PL_TILE_SIDE];

@@ -9,6 +9,6 @@
  * ellipsoid is hit. The cone about `axis` encloses the tile. `directions`: set to the ray
  * directions, unit, root axes. */
 void pl_body_points(const pl_snapshot *shot, pl_tile tile, pl_vec3 axis, double half_angle_rad,
-                    double directions[3][PL_TILE_PIXELS], pl_vertex *points);
+                    double directions[3][PL_TILE_PIXELS], pl_point *points);
 
 #endif

@@ -358,7 +358,7 @@ static void follow_prefiltered(const pl_path_context *context, size_t i, size_t 
   if (!b->lit[path.pixel] || pl_path_repeat(&b->patches[path.pixel].patch[b->slot[path.pixel]]))
     return;
   if (b->counts[path.pixel] == 0 && context->centred) {
-    vertex = b->points[path.pixel];
+    vertex = pl_point_vertex(&b->points[path.pixel]);
     vertex.surface = b->prefiltered_surface[path.pixel];
   } else {
     pl_vertex_locate(context->shot, &path.beam, &b->hits[i], false, &vertex);

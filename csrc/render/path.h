@@ -30,7 +30,7 @@ enum { PL_TILE_SHADOWS = 2 * PL_TILE_PIXELS };
 /* All buffers of one worker. */
 typedef struct pl_tile_buffers {
   double directions[3][PL_TILE_PIXELS]; /* of the rays through the pixels' centres */
-  pl_vertex points[PL_TILE_PIXELS];
+  pl_point points[PL_TILE_PIXELS];
   pl_hit center_hits[PL_TILE_PIXELS];
   /* Sum over the samples without a patch; at the end the mean of all samples. */
   pl_vec3f radiance[PL_TILE_PIXELS];

@@ -250,7 +250,7 @@ static bool prefilter_pixel(const pl_path_context *context, uint32_t pixel, pl_t
   const pl_render_settings *settings = context->settings;
   if (!may_prefilter(context, body))
     return false;
-  pl_vertex vertex = b->points[pixel];
+  pl_vertex vertex = pl_point_vertex(&b->points[pixel]);
   const pl_vec3 direction = {b->directions[0][pixel], b->directions[1][pixel],
                              b->directions[2][pixel]};
   const pl_vec3f toward = pl_vec3_to_float(direction);
@@ -361,7 +361,7 @@ static bool is_narrow(const pl_shot_body *body, double pixel_m) {
 /* Whether a narrow body may touch what a pixel's centre hits, or hide it. The light of sub-pixel
  * bodies is added to the sky later, and the sky behind them is as black as they are. */
 static bool may_hide(const pl_path_context *context, const pl_shot_body *body,
-                     const pl_vertex *point) {
+                     const pl_point *point) {
   const pl_render_settings *settings = context->settings;
   if (pl_surface_is_none(point->surface_id))
     return !body->subpixel || settings->see_subpixel || settings->backdrop != NULL;

@@ -216,13 +216,15 @@ static void fill_mesh_points(const job *job, pl_tile tile, size_t count, pl_tile
     const pl_hit *hit = &b->hits[i];
     if (pl_surface_is_none(hit->surface_id) || !is_inside(tile, at))
       continue;
-    pl_vertex *point = &b->points[pixel];
+    pl_point *point = &b->points[pixel];
     if (!pl_surface_is_none(point->surface_id) && point->t < hit->t)
       continue;
     const pl_beam beam = {.direction = b->rays[i].direction, .spread = (float)job->pixel_rad};
     b->center_hits[pixel] = *hit;
-    pl_vertex_locate(job->shot, &beam, hit, true, point);
-    pl_vertex_orient(job->shot, &beam, point);
+    pl_vertex vertex;
+    pl_vertex_locate(job->shot, &beam, hit, true, &vertex);
+    pl_vertex_orient(job->shot, &beam, &vertex);
+    *point = pl_point_of(&vertex);
   }
 }
 
@@ -232,7 +234,7 @@ static void fill_body_points(const job *job, pl_tile tile, const content *conten
   for (int y = 0; y < tile.height; y++)
     for (int x = 0; x < tile.width; x++) {
       const int pixel = y * PL_TILE_SIDE + x;
-      const pl_vertex *point = &b->points[pixel];
+      const pl_point *point = &b->points[pixel];
       b->center_hits[pixel] = (pl_hit){.surface_id = PL_NO_SURFACE};
       if (!pl_surface_is_none(point->surface_id))
         b->center_hits[pixel] = (pl_hit){.surface_id = point->surface_id, .t = (float)point->t};

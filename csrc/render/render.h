@@ -56,9 +56,9 @@ typedef struct pl_render_settings {
 typedef struct pl_tile_result {
   pl_tile tile;
   bool empty; /* nothing was or could be hit; no point has a surface */
-  /* hits of the rays through the pixels' centres; of `surface` only the frame and ng are set;
-   * in_shadow and shadow_cause only where there is a surface, and if settings ask for it */
-  const pl_vertex *points;
+  /* hits of the rays through the pixels' centres; in_shadow and shadow_cause only where there is a
+   * surface, and if settings ask for it */
+  const pl_point *points;
   const pl_vec3f *radiance; /* W m-2 sr-1; zero if samples is 0 */
 } pl_tile_result;
 

@@ -8,7 +8,7 @@ static const float OWN_SURFACE = 0.999f;
 
 /* Makes the ray that decides whether a point is in shadow; false if that is known without, and set.
  */
-static bool ray_of(const pl_path_context *context, pl_vertex *point, pl_ray *out) {
+static bool ray_of(const pl_path_context *context, pl_point *point, pl_ray *out) {
   const pl_snapshot *shot = context->shot;
   const pl_geometry_kind *kind = pl_geometry_of(point->surface_id);
   point->in_shadow = true;
@@ -16,7 +16,7 @@ static bool ray_of(const pl_path_context *context, pl_vertex *point, pl_ray *out
   if (pl_surface_is_mesh(point->surface_id) && pl_shot_object_of(shot, point->surface_id)->dark)
     return false;
   point->shadow_cause = PL_SHADOW_SELF;
-  pl_vertex vertex = *point;
+  pl_vertex vertex = pl_point_vertex(point);
   if (kind->set_horizon != NULL)
     kind->set_horizon(shot, &vertex);
   const pl_sun_view sun = pl_sun_view_of(shot, context->suns, &vertex);
@@ -46,7 +46,7 @@ static pl_shadow_cause cause_of(pl_surface_id point, pl_surface_id met) {
 }
 
 /* Follows the light, since faces exist as seen from it. */
-static void find_cause(const pl_path_context *context, const pl_ray *to_sun, pl_vertex *point) {
+static void find_cause(const pl_path_context *context, const pl_ray *to_sun, pl_point *point) {
   pl_ray light = *to_sun;
   pl_hit hit;
   light.origin = pl_vec3_madd(to_sun->origin, to_sun->t_max, to_sun->direction);
@@ -61,14 +61,14 @@ void pl_shadow_mask(const pl_path_context *context, pl_tile_buffers *b) {
   for (int y = 0; y < context->tile.height; y++)
     for (int x = 0; x < context->tile.width; x++) {
       const uint32_t pixel = (uint32_t)(y * PL_TILE_SIDE + x);
-      pl_vertex *point = &b->points[pixel];
+      pl_point *point = &b->points[pixel];
       if (!pl_surface_is_none(point->surface_id) && ray_of(context, point, &b->shadow_rays[count]))
         b->wave_seeds[count++] = pixel;
     }
   /* Ray by ray: packets would depend on what their neighbours see. */
   pl_tracer_occluded(context->tracer, b->shadow_rays, b->occluded, count, false);
   for (size_t i = 0; i < count; i++) {
-    pl_vertex *point = &b->points[b->wave_seeds[i]];
+    pl_point *point = &b->points[b->wave_seeds[i]];
     point->in_shadow = b->occluded[i];
     point->shadow_cause = PL_SHADOW_NONE;
     if (b->occluded[i] && context->settings->shadow_cause)

@@ -23,13 +23,51 @@ typedef struct pl_vertex {
   double t;         /* along the beam, m */
   pl_surface_id surface_id;
   uint32_t triangle;
-  bool in_shadow;        /* set only by pl_shadow_mask */
-  uint8_t shadow_cause;  /* a pl_shadow_cause; likewise, and only if settings ask for it */
   float w[3];            /* barycentric weights */
   pl_vec3f edge1, edge2; /* of a mesh's triangle: corner 1 - corner 0, corner 2 - corner 0, m */
   pl_vec3f ng;           /* outward geometric normal (by the file's winding), unit */
   pl_surface surface;    /* shading frame and colours, on the viewer's side */
 } pl_vertex;
+
+/* What the ray through a pixel's centre meets: a vertex without the surface's colours and lobes,
+ * which fills the geometry buffer and is what labels are made of. */
+typedef struct pl_point {
+  pl_vec3 position; /* as in pl_vertex, up to `ng` */
+  double t;
+  pl_surface_id surface_id;
+  uint32_t triangle;
+  float w[3];
+  pl_vec3f edge1, edge2, ng;
+  pl_vec3f n, facet;    /* shading and geometric normal, unit, on the viewer's side */
+  bool in_shadow;       /* set only by pl_shadow_mask */
+  uint8_t shadow_cause; /* a pl_shadow_cause; likewise, and only if settings ask for it */
+} pl_point;
+
+/* The point of a located and oriented vertex. */
+static inline pl_point pl_point_of(const pl_vertex *v) {
+  return (pl_point){.position = v->position,
+                    .t = v->t,
+                    .surface_id = v->surface_id,
+                    .triangle = v->triangle,
+                    .w = {v->w[0], v->w[1], v->w[2]},
+                    .edge1 = v->edge1,
+                    .edge2 = v->edge2,
+                    .ng = v->ng,
+                    .n = v->surface.n,
+                    .facet = v->surface.ng};
+}
+/* The vertex of a point, to be shaded. */
+static inline pl_vertex pl_point_vertex(const pl_point *p) {
+  return (pl_vertex){.position = p->position,
+                     .t = p->t,
+                     .surface_id = p->surface_id,
+                     .triangle = p->triangle,
+                     .w = {p->w[0], p->w[1], p->w[2]},
+                     .edge1 = p->edge1,
+                     .edge2 = p->edge2,
+                     .ng = p->ng,
+                     .surface = {.n = p->n, .ng = p->facet}};
+}
 
 /* Sets position, geometric normal and weights only, which is what labels need. With `exact` the hit
  * is recomputed in double precision from the triangle that was hit; hits on bodies always are

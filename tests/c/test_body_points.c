@@ -25,7 +25,7 @@ static void fill_stage(stage *s, test_random *random) {
 }
 
 static void assert_same(const pl_snapshot *shot, int x, int y, const pl_vec3 direction,
-                        const pl_vertex *point) {
+                        const pl_point *point) {
   const pl_beam beam = {.direction = pl_snapshot_ray(shot, x, y)};
   pl_vertex vertex = {.surface_id = PL_NO_SURFACE};
   assert_memory_equal(&direction, &beam.direction, sizeof direction);
@@ -40,14 +40,14 @@ static void assert_same(const pl_snapshot *shot, int x, int y, const pl_vec3 dir
   assert_memory_equal(&point->t, &vertex.t, sizeof vertex.t);
   assert_memory_equal(point->w, vertex.w, sizeof vertex.w);
   assert_memory_equal(&point->ng, &vertex.ng, sizeof vertex.ng);
-  assert_memory_equal(&point->surface.n, &vertex.surface.n, sizeof vertex.surface.n);
-  assert_memory_equal(&point->surface.ng, &vertex.surface.ng, sizeof vertex.surface.ng);
+  assert_memory_equal(&point->n, &vertex.surface.n, sizeof vertex.surface.n);
+  assert_memory_equal(&point->facet, &vertex.surface.ng, sizeof vertex.surface.ng);
 }
 
 /* Tiles of a picture, whole and cut by its border; returns how many pixels meet a body. */
 static size_t check_tiles(const pl_snapshot *shot) {
   static double directions[3][PL_TILE_PIXELS];
-  static pl_vertex points[PL_TILE_PIXELS];
+  static pl_point points[PL_TILE_PIXELS];
   size_t met = 0;
   for (int i = 0; i < 4; i++) {
     const int x0 = i % 2 * PL_TILE_SIDE, y0 = i / 2 * PL_TILE_SIDE;

@@ -38,13 +38,13 @@ static void fixture_clear(fixture *f) {
 }
 
 /* One pixel of one channel; `vertex` NULL: it hits nothing. */
-static void write_one(const fixture *f, size_t channel, const pl_vertex *vertex, void *out) {
-  const pl_vertex none = {.surface_id = PL_NO_SURFACE};
+static void write_one(const fixture *f, size_t channel, const pl_point *vertex, void *out) {
+  const pl_point none = {.surface_id = PL_NO_SURFACE};
   void *images[PL_FRAME_CHANNELS_MAX] = {NULL};
   images[channel] = out;
   pl_channels_write(&f->shot, vertex != NULL ? vertex : &none, 1, 0, images);
 }
-static void write_pixel(const fixture *f, const char *name, const pl_vertex *vertex, void *out) {
+static void write_pixel(const fixture *f, const char *name, const pl_point *vertex, void *out) {
   for (size_t i = 0; i < pl_channel_count; i++)
     if (strcmp(pl_channels[i].name, name) == 0) {
       write_one(f, i, vertex, out);
@@ -52,22 +52,22 @@ static void write_pixel(const fixture *f, const char *name, const pl_vertex *ver
     }
   fail_msg("no channel '%s'", name);
 }
-static float value_of(const fixture *f, const char *name, const pl_vertex *vertex) {
+static float value_of(const fixture *f, const char *name, const pl_point *vertex) {
   float out;
   write_pixel(f, name, vertex, &out);
   return out;
 }
 
 /* A vertex of an object or body at a point given in its own frame, metres. */
-static pl_vertex vertex_at(const fixture *f, uint32_t entity, pl_vec3 local, pl_vec3 *root) {
+static pl_point vertex_at(const fixture *f, uint32_t entity, pl_vec3 local, pl_vec3 *root) {
   const pl_pose pose =
       entity == 0 ? f->stage.objects[0].motion.open : f->stage.bodies[entity - 1].motion.open;
   *root = pl_pose_apply(pose, local);
   const pl_vec3 p = pl_vec3_sub(*root, f->stage.placement.camera.motion.open.t);
-  pl_vertex vertex = {.position = p, .t = pl_vec3_norm(p), .triangle = 3};
+  pl_point vertex = {.position = p, .t = pl_vec3_norm(p), .triangle = 3};
   vertex.surface_id = entity == 0 ? f->shot.objects[0].id : pl_surface_of_body(entity - 1);
-  vertex.surface.n = pl_vec3_to_float(pl_vec3_unit(pl_vec3_scale(p, -1.0)));
-  vertex.surface.ng = pl_vec3_to_float(pl_vec3_unit((pl_vec3){-p.y, p.x, -p.z}));
+  vertex.n = pl_vec3_to_float(pl_vec3_unit(pl_vec3_scale(p, -1.0)));
+  vertex.facet = pl_vec3_to_float(pl_vec3_unit((pl_vec3){-p.y, p.x, -p.z}));
   return vertex;
 }
 
@@ -87,7 +87,7 @@ static void test_geometry(void **state) {
       const double size = entity == 0 ? 1.5 : 5e6;
       const pl_vec3 local = pl_vec3_scale(random_direction(&random), size);
       pl_vec3 root;
-      const pl_vertex vertex = vertex_at(&f, entity, local, &root);
+      const pl_point vertex = vertex_at(&f, entity, local, &root);
       const pl_pose camera = f.stage.placement.camera.motion.open;
       const pl_vec3 p =
           pl_quat_rotate_inverse(camera.q, pl_vec3_sub(root, camera.t)); /* OpenCV axes */
@@ -109,7 +109,7 @@ static void test_geometry(void **state) {
       assert_close((double)normal[1], -p.y / range, 1e-6);
       assert_close((double)normal[2], -p.z / range, 1e-6);
       const pl_vec3 facet = pl_quat_rotate_inverse(
-          camera.q, pl_vec3f_to_double(vertex.surface.ng)); /* another than the shading normal */
+          camera.q, pl_vec3f_to_double(vertex.facet)); /* another than the shading normal */
       write_pixel(&f, "geometric_normal", &vertex, normal);
       assert_close((double)normal[0], facet.x, 1e-6);
       assert_close((double)normal[1], facet.y, 1e-6);
@@ -125,12 +125,12 @@ static void test_angles(void **state) {
   fixture f;
   fixture_init(&f, &random);
   pl_vec3 root;
-  pl_vertex vertex = vertex_at(&f, 0, (pl_vec3){0, 0, 1.5}, &root);
+  pl_point vertex = vertex_at(&f, 0, (pl_vec3){0, 0, 1.5}, &root);
   const pl_vec3 viewer = pl_vec3_unit(pl_vec3_scale(vertex.position, -1.0));
   const pl_vec3 sun = pl_vec3_unit(pl_vec3_sub(f.stage.placement.sun.position_m, root));
   for (int i = 0; i < 100; i++) {
     const pl_vec3 n = random_direction(&random);
-    vertex.surface.n = pl_vec3_to_float(n);
+    vertex.n = pl_vec3_to_float(n);
     assert_close((double)value_of(&f, "incidence", &vertex), acos(pl_vec3_dot(n, sun)), 1e-5);
     assert_close((double)value_of(&f, "emission", &vertex), acos(pl_vec3_dot(n, viewer)), 1e-5);
     assert_close((double)value_of(&f, "phase", &vertex), acos(pl_vec3_dot(viewer, sun)), 1e-5);
@@ -145,7 +145,7 @@ static void test_ids(void **state) {
   fixture_init(&f, &random);
   for (uint32_t entity = 0; entity < 2; entity++) {
     pl_vec3 root;
-    const pl_vertex vertex = vertex_at(&f, entity, (pl_vec3){1, 0, 0}, &root);
+    const pl_point vertex = vertex_at(&f, entity, (pl_vec3){1, 0, 0}, &root);
     int32_t part, instance;
     uint16_t classes[2];
     write_pixel(&f, "part", &vertex, &part);
@@ -188,7 +188,7 @@ static void test_background(void **state) {
 enum { WIDTH = 80, FROM = 5, COUNT = 71, BYTES_MAX = 24 };
 
 /* Vertices on object and body, and pixels that hit nothing, in runs of 1 to 40. */
-static void fill_row(const fixture *f, test_random *random, pl_vertex *points) {
+static void fill_row(const fixture *f, test_random *random, pl_point *points) {
   size_t x = 0;
   for (size_t run = 1; x < COUNT; run = run == 1 ? 40 : run / 2 + 1) {
     const uint32_t entity = (uint32_t)(random_unit(random) * 3.0);
@@ -197,7 +197,7 @@ static void fill_row(const fixture *f, test_random *random, pl_vertex *points) {
       const pl_vec3 local = pl_vec3_scale(random_direction(random), entity == 0 ? 1.0 : 5e6);
       points[x] = vertex_at(f, entity < 2 ? entity : 0, local, &root);
       points[x].triangle = (uint32_t)x % 12;
-      points[x].surface.n = pl_vec3_to_float(random_direction(random));
+      points[x].n = pl_vec3_to_float(random_direction(random));
       if (entity == 2)
         points[x].surface_id = PL_NO_SURFACE;
     }
@@ -215,7 +215,7 @@ static void test_rows_are_their_pixels(void **state) {
     const size_t channel = c % pl_channel_count;
     const size_t bytes =
         pl_channel_elements(&pl_channels[channel], 2) * pl_channels[channel].element;
-    pl_vertex points[COUNT];
+    pl_point points[COUNT];
     unsigned char image[WIDTH * BYTES_MAX], pixel[BYTES_MAX];
     void *images[PL_FRAME_CHANNELS_MAX] = {NULL};
     assert_true(bytes <= BYTES_MAX);

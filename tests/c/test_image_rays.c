@@ -33,7 +33,7 @@ static pl_status take_tile(void *context, const pl_tile_result *result, int work
   for (int y = 0; y < result->tile.height; y++)
     for (int x = 0; x < result->tile.width; x++) {
       const int from = y * PL_TILE_SIDE + x;
-      const pl_vertex *point = &result->points[from];
+      const pl_point *point = &result->points[from];
       out->pixels[(result->tile.y0 + y) * out->width + result->tile.x0 + x] =
           (seen){point->surface_id, pl_surface_is_none(point->surface_id) ? 0.0 : point->t,
                  result->radiance[from].y};

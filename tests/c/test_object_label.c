@@ -46,7 +46,7 @@ static void test_extents(void **state) {
         image[y][x] = random_surface(&random);
     for (int y0 = 0; y0 < HEIGHT; y0 += SIDE)
       for (int x0 = 0; x0 < WIDTH; x0 += SIDE) {
-        static pl_vertex points[SIDE * SIDE];
+        static pl_point points[SIDE * SIDE];
         const int tile[4] = {x0, y0, WIDTH - x0 < SIDE ? WIDTH - x0 : SIDE,
                              HEIGHT - y0 < SIDE ? HEIGHT - y0 : SIDE};
         for (int i = 0; i < SIDE * SIDE; i++) /* beyond the tile lies rubbish */

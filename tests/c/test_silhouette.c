@@ -327,7 +327,7 @@ static void bench_init(bench *b, const stage *s) {
       const pl_ray ray = {
           .t_max = INFINITY, .direction = pl_snapshot_ray(&b->shot, x, y), .skip_body = PL_NO_BODY};
       pl_hit hit;
-      pl_vertex point = {0};
+      pl_point point = {0};
       const int pixel[4] = {x, y, 1, 1};
       pl_tracer_closest(b->tracer, &ray, &hit, 1, true, true);
       point.surface_id = hit.surface_id;
