@@ -19,17 +19,19 @@ typedef struct pl_rough {
 
 /* Directions point away from the surface. wo and wi below are in the local frame (t, b, n). */
 typedef struct pl_surface {
-  pl_vec3f t, b, n;     /* shading frame, right-handed, unit; n on the viewer's side */
-  pl_vec3f ng;          /* geometric normal on the viewer's side */
-  pl_vec3f color;       /* base colour or albedo, linear, 0..1 */
-  pl_vec3f emission;    /* W m-2 sr-1 */
-  float metallic;       /* 0..1 */
-  float alpha;          /* GGX alpha = roughness^2 */
-  pl_rough rough;       /* read by photometric models and Lambert only */
-  float water;          /* 0..1: part that is open water; read by the water model only */
-  pl_vec3f below;       /* part of color that is light from below the water; read likewise */
-  pl_lobes lobes;       /* read by layered models only */
-  pl_regolith regolith; /* read by photometric models only */
+  pl_vec3f t, b, n;       /* shading frame, right-handed, unit; n on the viewer's side */
+  pl_vec3f ng;            /* geometric normal on the viewer's side */
+  pl_vec3f color;         /* base colour or albedo, linear, 0..1 */
+  pl_vec3f emission;      /* W m-2 sr-1 */
+  float metallic;         /* 0..1 */
+  float alpha;            /* GGX alpha = roughness^2 */
+  pl_rough rough;         /* read by photometric models and Lambert only */
+  float water;            /* 0..1: part that is open water; read by the water model only */
+  pl_vec3f below;         /* part of color that is light from below the water; read likewise */
+  union {                 /* no model is both layered and photometric */
+    pl_lobes lobes;       /* read by layered models only */
+    pl_regolith regolith; /* read by photometric models only */
+  };
   const pl_reflectance *reflectance; /* row of the table */
 } pl_surface;
 

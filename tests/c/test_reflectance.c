@@ -280,7 +280,9 @@ static void test_extremes(void **state) {
       for (size_t k = 0; k < COUNT(metals); k++)
         for (size_t c = 0; c < COUNT(grazing); c++)
           for (size_t v = 0; v < COUNT(variants); v++) {
-            pl_surface s = with(white(alphas[a], metals[k]), &variants[v]);
+            pl_surface s = pl_reflectances[m]->photometric
+                               ? ground_of(&grounds[v % COUNT(grounds)])
+                               : with(white(alphas[a], metals[k]), &variants[v]);
             check_extremes(pl_reflectances[m], &s, tilted(grazing[c], 1.0f));
             s.color = pl_vec3f_make(0.0f, 0.0f, 0.0f);
             check_extremes(pl_reflectances[m], &s, tilted(grazing[c], 1.0f));
