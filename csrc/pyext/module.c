@@ -156,7 +156,8 @@ static int execute(PyObject *module) {
       &pl_py_model_spec,      &pl_py_map_spec,     &pl_py_scene_spec,        &pl_py_renderer_spec,
       &pl_py_propagator_spec, &pl_py_tree_spec,    &pl_py_articulation_spec, &pl_py_graph_spec,
       &pl_py_grid_spec,       &pl_py_stars_spec,   &pl_py_air_spec,          &pl_py_rings_spec,
-      &pl_py_raster_spec,     &pl_py_terrain_spec, &pl_py_craters_spec,      &pl_py_rocks_spec};
+      &pl_py_raster_spec,     &pl_py_terrain_spec, &pl_py_craters_spec,      &pl_py_rocks_spec,
+      &pl_py_rock_scan_spec};
   if (PyArray_ImportNumPyAPI() < 0)
     return -1;
   for (size_t i = 0; i < sizeof specs / sizeof specs[0]; i++)

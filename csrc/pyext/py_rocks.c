@@ -9,11 +9,13 @@
 
 typedef struct rocks_object {
   PyObject_HEAD pl_rock_field *field; /* owned */
+  PyObject *scans;                    /* owned: the RockScans that the field borrows from */
 } rocks_object;
 
 static void rocks_dealloc(PyObject *self) {
   PyTypeObject *type = Py_TYPE(self);
   pl_rock_field_destroy(((rocks_object *)self)->field);
+  Py_XDECREF(((rocks_object *)self)->scans);
   ((freefunc)PyType_GetSlot(type, Py_tp_free))(self);
   Py_DECREF(type);
 }
@@ -73,6 +75,27 @@ static int families_of(PyObject *settings, double shares[PL_ROCK_FAMILIES]) {
   return failed ? -1 : 0;
 }
 
+/* Returns the tuple of the models' scans (a new reference), or NULL with an exception. */
+static PyObject *scans_of(PyObject *settings, const pl_rock_scan *list[PL_ROCK_VARIANTS],
+                          pl_rock_frame *frame) {
+  PyObject *given;
+  if (pl_py_member(settings, "models", 1, "rocks", &given) < 0)
+    return NULL;
+  PyObject *scans = given == Py_None ? PyTuple_New(0) : PySequence_Tuple(given);
+  Py_DECREF(given);
+  const Py_ssize_t count = scans != NULL ? PyTuple_Size(scans) : 0;
+  for (Py_ssize_t k = 0; k < count && k < PL_ROCK_VARIANTS; k++) {
+    list[k] = pl_py_rock_scan_of(PyTuple_GetItem(scans, k));
+    if (list[k] == NULL) {
+      Py_DECREF(scans);
+      return NULL;
+    }
+  }
+  frame->scans = list;
+  frame->scan_count = (size_t)count;
+  return scans;
+}
+
 static int frame_of(PyObject *settings, pl_rock_frame *frame, double **table) {
   double radius_m;
   if (pl_py_member_double(settings, "radius_m", "rocks", &radius_m) < 0)
@@ -108,12 +131,19 @@ static PyObject *rocks_new(PyTypeObject *type, PyObject *args, PyObject *kwargs)
   static char *names[] = {"settings", NULL};
   PyObject *settings;
   pl_rock_frame frame;
+  const pl_rock_scan *list[PL_ROCK_VARIANTS];
   double *table = NULL;
   if (!PyArg_ParseTupleAndKeywords(args, kwargs, "O:RockField", names, &settings))
     return NULL;
   rocks_object *self = NULL;
-  if (frame_of(settings, &frame, &table) == 0)
+  PyObject *scans =
+      frame_of(settings, &frame, &table) == 0 ? scans_of(settings, list, &frame) : NULL;
+  if (scans != NULL)
     self = (rocks_object *)((allocfunc)PyType_GetSlot(type, Py_tp_alloc))(type, 0);
+  if (self != NULL)
+    self->scans = scans;
+  else
+    Py_XDECREF(scans);
   const pl_status status = self != NULL ? pl_rock_field_create(&frame, &self->field) : PL_OK;
   pl_free(table);
   if (status == PL_OK)

@@ -13,7 +13,8 @@
 
 extern PyType_Spec pl_py_model_spec, pl_py_map_spec, pl_py_scene_spec, pl_py_renderer_spec,
     pl_py_articulation_spec, pl_py_graph_spec, pl_py_grid_spec, pl_py_stars_spec, pl_py_air_spec,
-    pl_py_rings_spec, pl_py_raster_spec, pl_py_terrain_spec, pl_py_craters_spec, pl_py_rocks_spec;
+    pl_py_rings_spec, pl_py_raster_spec, pl_py_terrain_spec, pl_py_craters_spec, pl_py_rocks_spec,
+    pl_py_rock_scan_spec;
 
 /* Return borrowed contents; NULL with TypeError for an object of another type. */
 const pl_model *pl_py_model_of(PyObject *object);
@@ -37,6 +38,7 @@ PyObject *pl_py_rim_images(PyObject *module, PyObject *args);
 PyObject *pl_py_rim_record(void);
 /* Returns CRATER, the description of CraterField.list's records, as documented in the stub. */
 PyObject *pl_py_crater_record(void);
+const pl_rock_scan *pl_py_rock_scan_of(PyObject *object);
 const pl_rock_field *pl_py_rocks_of(PyObject *object);
 /* Returns the records of the rocks of ids on a terrain. */
 PyObject *pl_py_rocks_find(const pl_terrain *terrain, PyObject *ids);

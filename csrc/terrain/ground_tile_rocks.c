@@ -43,9 +43,6 @@ static pl_status collect(void *context, const pl_scatter_site *site) {
   return PL_OK;
 }
 
-/* Shapes are within this many diameters of their centres. */
-#define SHAPE_REACH 1.2
-
 static pl_status keep(const collection *all, pl_vec3 origin, pl_ground_rocks **out) {
   const size_t list = all->count * sizeof(pl_ground_rock);
   const size_t bytes = sizeof(pl_ground_rocks) + list + (all->count + 1) * sizeof(uint32_t);
@@ -63,7 +60,7 @@ static pl_status keep(const collection *all, pl_vec3 origin, pl_ground_rocks **o
     const double away = pl_vec3_norm(pl_vec3_sub(rock->rock.center, origin));
     rocks->first[k] = (uint32_t)rocks->triangle_count;
     rocks->triangle_count += (size_t)pl_rock_field_spheres(all->field)[rock->lod].triangle_count;
-    rocks->radius_m = fmax(rocks->radius_m, away + SHAPE_REACH * rock->rock.diameter_m);
+    rocks->radius_m = fmax(rocks->radius_m, away + PL_ROCK_SHAPE_REACH * rock->rock.diameter_m);
   }
   rocks->first[all->count] = (uint32_t)rocks->triangle_count;
   *out = rocks;

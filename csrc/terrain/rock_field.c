@@ -32,7 +32,20 @@ pl_rock_frame pl_rock_frame_default(double radius_m) {
   return frame;
 }
 
+static pl_status check_scans(const pl_rock_frame *frame) {
+  const bool shared = frame->families[PL_ROCK_MODEL] > 0.0;
+  if (frame->scan_count > PL_ROCK_VARIANTS)
+    return pl_fail(PL_E_RANGE, "%zu models of rocks; at most %d", frame->scan_count,
+                   PL_ROCK_VARIANTS);
+  if (shared && frame->scan_count == 0)
+    return pl_fail(PL_E_RANGE, "the family 'model' of rocks has a share, but no models");
+  if (!shared && frame->scan_count > 0)
+    return pl_fail(PL_E_RANGE, "models of rocks need a share of the family 'model'");
+  return PL_OK;
+}
+
 static pl_status check_families(const pl_rock_frame *frame) {
+  PL_TRY(check_scans(frame));
   double sum = 0.0;
   for (int k = 0; k < PL_ROCK_FAMILIES; k++) {
     if (!(frame->families[k] >= 0.0 && isfinite(frame->families[k])))
@@ -105,6 +118,7 @@ static pl_status fill_blocks(pl_rock_field *field) {
 
 static pl_status fill(pl_rock_field *field, const pl_rock_frame *frame) {
   field->frame = *frame;
+  field->frame.scans = NULL; /* the list is the caller's */
   if (frame->law.kind == PL_ROCKS_TABLE)
     PL_TRY(pl_size_points_copy(&field->frame.law.table, &field->table));
   double sum = 0.0;
@@ -113,7 +127,8 @@ static pl_status fill(pl_rock_field *field, const pl_rock_frame *frame) {
   for (int k = 0; k < PL_ROCK_FAMILIES; k++)
     field->families[k] /= sum;
   PL_TRY(pl_rock_spheres_create(&field->spheres));
-  PL_TRY(pl_rock_variants_create(field->spheres, &field->variants));
+  PL_TRY(
+      pl_rock_variants_create(field->spheres, frame->scans, frame->scan_count, &field->variants));
   PL_TRY(pl_scatter_init(frame->radius_m, frame->seed, PURPOSE_ROCKS, pl_rock_density,
                          &field->frame.law, frame->min_m, frame->max_m, &field->scatter));
   return frame->ejecta.at_rim > 0.0 ? fill_blocks(field) : PL_OK;

@@ -43,6 +43,8 @@ typedef struct pl_rock_frame {
   double least_burial, most_burial;
   double repose_rad;                 /* on steeper slopes there are none; (0, pi/2) */
   double families[PL_ROCK_FAMILIES]; /* shares of the families, of any sum above 0 */
+  const pl_rock_scan *const *scans;  /* borrowed: shapes of PL_ROCK_MODEL, all in equal shares */
+  size_t scan_count;                 /* up to PL_ROCK_VARIANTS */
   pl_rock_ejecta ejecta;
 } pl_rock_frame;
 
@@ -53,7 +55,8 @@ pl_rock_frame pl_rock_frame_default(double radius_m);
 typedef struct pl_rock_field pl_rock_field;
 
 /* PL_E_RANGE for numbers that are not valid, and for laws that cover more than PL_ROCK_COVER_MOST.
- * The law's table is copied. The field is immutable, so that threads can share it. */
+ * The law's table is copied; scans must outlive the field, but not their list. The field is
+ * immutable, so that threads can share it. */
 pl_status pl_rock_field_create(const pl_rock_frame *frame, pl_rock_field **out);
 void pl_rock_field_destroy(pl_rock_field *field);
 const pl_rock_frame *pl_rock_field_frame(const pl_rock_field *field);

@@ -20,6 +20,17 @@ static pl_status open_pool(pl_rock_meshes *meshes) {
   return PL_OK;
 }
 
+/* The list has room for SLOTS, and for SLOTS more whenever it is full. */
+static pl_status make_room(pl_rock_meshes *meshes) {
+  if (meshes->count == 0 || meshes->count % SLOTS != 0)
+    return PL_OK;
+  void *memory = pl_realloc(meshes->list, meshes->count + SLOTS, sizeof *meshes->list);
+  if (memory == NULL)
+    return pl_fail(PL_E_MEMORY, "out of memory for %zu meshes of rocks", meshes->count + SLOTS);
+  meshes->list = memory;
+  return PL_OK;
+}
+
 static pl_rock_mesh **slot_of(const pl_rock_meshes *meshes, uint32_t variant, int lod) {
   return &meshes->slots[variant * PL_ROCK_LODS + (uint32_t)lod];
 }
@@ -28,11 +39,16 @@ pl_status pl_rock_meshes_add(pl_rock_meshes *meshes, const pl_rock_variant *vari
                              pl_rock_mesh **out) {
   void *memory;
   PL_TRY(open_pool(meshes));
+  const uint64_t serial = variant->scan != NULL ? variant->scan->serial : 0;
   pl_rock_mesh **slot = slot_of(meshes, variant->number, lod);
+  while (*slot != NULL && (*slot)->serial != serial)
+    slot = &(*slot)->next;
   if (*slot == NULL) {
+    PL_TRY(make_room(meshes));
     PL_TRY(pl_alloc_or_fail(1, sizeof(pl_rock_mesh), "a mesh of rocks", &memory));
     *slot = memory;
     (*slot)->variant = variant->number;
+    (*slot)->serial = serial;
     (*slot)->lod = lod;
     meshes->list[meshes->count++] = *slot;
   }
@@ -93,7 +109,10 @@ pl_status pl_rock_mesh_fill(pl_rock_mesh *mesh, const pl_rock_meshes *meshes,
 void pl_rock_meshes_drop(pl_rock_meshes *meshes, size_t from) {
   while (meshes->count > from) {
     pl_rock_mesh *mesh = meshes->list[--meshes->count];
-    *slot_of(meshes, mesh->variant, mesh->lod) = NULL;
+    pl_rock_mesh **slot = slot_of(meshes, mesh->variant, mesh->lod);
+    while (*slot != mesh)
+      slot = &(*slot)->next;
+    *slot = mesh->next;
     pl_free(mesh->normals);
     pl_free(mesh);
   }

@@ -12,6 +12,7 @@
 
 typedef struct pl_rock_mesh {
   uint32_t variant; /* its number */
+  uint64_t serial;  /* of the measured shape; 0 for drawn ones */
   int lod;
   int vertex_count, triangle_count;
   float (*positions)[3];          /* owned; room for 16 bytes behind */
@@ -21,6 +22,7 @@ typedef struct pl_rock_mesh {
   double scale;                   /* of the sphere it is made from */
   void *scene;                    /* RTCScene, of whom keeps the pool; NULL before */
   bool shown;                     /* by a tile, where it is kept track of */
+  struct pl_rock_mesh *next;      /* in the slot: of another measured shape with the number */
 } pl_rock_mesh;
 
 /* Meshes by variant and level; each stays as long as a tile shows it. */

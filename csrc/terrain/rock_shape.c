@@ -26,6 +26,7 @@ const pl_rock_family pl_rock_families[PL_ROCK_FAMILIES] = {
     [PL_ROCK_BRECCIA] = {"breccia", "Knobbly, of fragments of many sizes.", 0.82, 0.58, 10, 0.65,
                          0.95, 3, 0.16, 0.060},
     [PL_ROCK_PITTED] = {"pitted", "Worn and rough.", 0.84, 0.60, 10, 0.65, 0.90, 3, 0.08, 0.080},
+    [PL_ROCK_MODEL] = {"model", "One of the user's models.", 1.0, 1.0, 0, 1.0, 1.0, 2, 0.0, 0.0},
 };
 
 /* A stream of numbers in [0, 1): 24 bits of each of the blocks of a key. */
@@ -47,7 +48,10 @@ static pl_vec3 next_direction(stream *s) {
   return (pl_vec3){r * cos(a), r * sin(a), z};
 }
 
-/* About normal: the sum of three uniform numbers, with deviation 1 and at most 3. */
+/* About normal: the sum of three uniform numbers, with deviation 1. */
+#define MOST_DEVIATIONS 3.0
+/* Deviation of the widths of rocks of a family, over their mean. */
+#define WIDTH_SCATTER 0.12
 static double next_normal(stream *s) { return 2.0 * (next(s) + next(s) + next(s) - 1.5); }
 
 /* The planes of a cube are its faces, somewhat turned; others are random, away from the last ones,
@@ -92,6 +96,8 @@ static double cut_radius(const pl_rock_variant *ball, pl_vec3 d) {
 
 double pl_rock_variant_radius(const pl_rock_variant *variant, pl_vec3 d) {
   const pl_rock_family *of = variant->family;
+  if (variant->scan != NULL)
+    return pl_rock_scan_radius(variant->scan, d);
   double factor = 1.0 + of->lumps * (double)pl_noise(pl_vec3_scale(d, 1.2), variant->seed);
   double amplitude = of->roughness, frequency = 3.0;
   for (int k = 1; k < PL_ROCK_OCTAVES + 1; k++) {
@@ -130,18 +136,8 @@ static double reach(const pl_rock_variant *ball, pl_vec3 along) {
   return pl_vec3_dot(best, along);
 }
 
-static void draw_variant(pl_rock_family_kind family, int k, const pl_rock_sphere *sphere,
-                         pl_rock_variant *out) {
-  const pl_rock_family *of = &pl_rock_families[family];
-  const uint32_t number = (uint32_t)family * PL_ROCK_VARIANTS + (uint32_t)k;
-  stream s = {.key = {UINT64_C(0x76617269616e74), number}};
-  *out =
-      (pl_rock_variant){.family = of, .number = number, .planes = of->planes, .seed = 16 * number};
-  for (int n = 0; n < of->planes; n++) {
-    const pl_vec3 normal = next_plane(out, n, &s);
-    const double distance = of->nearest + (of->furthest - of->nearest) * next(&s);
-    out->normals[n] = pl_vec3_scale(normal, 1.0 / distance);
-  }
+/* Fills in what follows from the surface. */
+static void probe(const pl_rock_sphere *sphere, pl_rock_variant *out) {
   for (int n = 0; n < PL_ROCK_PROBES; n++)
     out->probes[n] =
         pl_vec3_scale(sphere->vertices[n], pl_rock_variant_radius(out, sphere->vertices[n]));
@@ -153,28 +149,72 @@ static void draw_variant(pl_rock_family_kind family, int k, const pl_rock_sphere
   out->plan = sqrt(widths);
 }
 
-pl_status pl_rock_variants_create(const pl_rock_sphere *spheres, pl_rock_variant **out) {
+static void draw_variant(pl_rock_family_kind family, int k, const pl_rock_sphere *sphere,
+                         pl_rock_variant *out) {
+  const pl_rock_family *of = &pl_rock_families[family];
+  const uint32_t number = (uint32_t)family * PL_ROCK_VARIANTS + (uint32_t)k;
+  stream s = {.key = {UINT64_C(0x76617269616e74), number}};
+  *out = (pl_rock_variant){.family = of,
+                           .number = number,
+                           .siblings = PL_ROCK_VARIANTS,
+                           .planes = of->planes,
+                           .seed = 16 * number};
+  for (int n = 0; n < of->planes; n++) {
+    const pl_vec3 normal = next_plane(out, n, &s);
+    const double distance = of->nearest + (of->furthest - of->nearest) * next(&s);
+    out->normals[n] = pl_vec3_scale(normal, 1.0 / distance);
+  }
+  probe(sphere, out);
+}
+
+static pl_status take_scan(const pl_rock_scan *const *scans, size_t k, size_t count,
+                           const pl_rock_sphere *sphere, pl_rock_variant *out) {
+  *out = (pl_rock_variant){.family = &pl_rock_families[PL_ROCK_MODEL],
+                           .scan = scans[k],
+                           .number = PL_ROCK_MODEL * PL_ROCK_VARIANTS + (uint32_t)k,
+                           .siblings = (uint32_t)count};
+  probe(sphere, out);
+  const double longest = 1.0 / (out->plan * sqrt(1.0 - MOST_DEVIATIONS * WIDTH_SCATTER));
+  return longest <= PL_ROCK_SHAPE_REACH
+             ? PL_OK
+             : pl_fail(
+                   PL_E_RANGE,
+                   "models[%zu] is too long for its width: seen from above, the geometric mean of "
+                   "both is %.2g of its greatest radius; at least %.2g",
+                   k, out->plan, out->plan * longest / PL_ROCK_SHAPE_REACH);
+}
+
+pl_status pl_rock_variants_create(const pl_rock_sphere *spheres, const pl_rock_scan *const *scans,
+                                  size_t scan_count, pl_rock_variant **out) {
   enum { PROBED = 2 }; /* the level of PL_ROCK_PROBES vertices */
   void *memory;
   *out = NULL;
   PL_TRY(pl_alloc_or_fail(PL_ROCK_FAMILIES * PL_ROCK_VARIANTS, sizeof(pl_rock_variant),
                           "shapes of rocks", &memory));
   *out = memory;
-  for (int family = 0; family < PL_ROCK_FAMILIES; family++)
+  for (int family = 0; family < PL_ROCK_MODEL; family++)
     for (int k = 0; k < PL_ROCK_VARIANTS; k++)
       draw_variant((pl_rock_family_kind)family, k, &spheres[PROBED],
                    &(*out)[family * PL_ROCK_VARIANTS + k]);
-  return PL_OK;
+  pl_status status = PL_OK;
+  for (size_t k = 0; status == PL_OK && k < scan_count; k++)
+    status = take_scan(scans, k, scan_count, &spheres[PROBED],
+                       &(*out)[PL_ROCK_MODEL * PL_ROCK_VARIANTS + k]);
+  if (status != PL_OK) {
+    pl_free(*out);
+    *out = NULL;
+  }
+  return status;
 }
 
 void pl_rock_shape_draw(const pl_rock_variant *variants, pl_rock_family_kind family,
                         const uint64_t words[3], pl_rock_shape *out) {
   stream s = {.key = {words[0], words[1]}};
   const pl_rock_family *of = &pl_rock_families[family];
-  const double width = fmax(of->width * (1.0 + 0.12 * next_normal(&s)), 0.3);
+  const double width = fmax(of->width * (1.0 + WIDTH_SCATTER * next_normal(&s)), 0.3);
   const double height = fmax(of->height * (1.0 + 0.18 * next_normal(&s)), 0.15);
-  const pl_rock_variant *ball =
-      &variants[(uint64_t)family * PL_ROCK_VARIANTS + words[2] % PL_ROCK_VARIANTS];
+  const pl_rock_variant *all = &variants[(size_t)family * PL_ROCK_VARIANTS];
+  const pl_rock_variant *ball = &all[words[2] % all[0].siblings];
   *out = (pl_rock_shape){.variant = ball, .axes = {1.0, width, height}};
   out->axes = pl_vec3_scale(out->axes, 1.0 / (ball->plan * sqrt(width)));
   /* No point is beyond the ball displaced by all noise. */

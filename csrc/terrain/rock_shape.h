@@ -2,7 +2,8 @@
  *
  * A ball is cut by random planes, with edges rounded as the family says, and displaced by noise.
  * Each family has PL_ROCK_VARIANTS such balls; a rock is one of them, stretched along three axes
- * by numbers of its own. So rocks are affine images of a few hundred shapes, and share their meshes
+ * by numbers of its own. The last family has no balls, but the shapes of the rocks that users give
+ * (terrain/rock_scan.h). So rocks are affine images of a few hundred shapes, and share their meshes
  * (terrain/rock_mesh.h). Every ray from the centre meets the surface once, so any mesh of a sphere
  * gives a closed mesh of the rock. z is its short axis. */
 #ifndef PL_TERRAIN_ROCK_SHAPE_H
@@ -12,6 +13,7 @@
 
 #include "base/status.h"
 #include "math/vec.h"
+#include "terrain/rock_scan.h"
 
 enum { PL_ROCK_PLANES = 20, PL_ROCK_OCTAVES = 3, PL_ROCK_VARIANTS = 32, PL_ROCK_PROBES = 162 };
 
@@ -37,6 +39,7 @@ typedef enum pl_rock_family_kind {
   PL_ROCK_EGG,
   PL_ROCK_BRECCIA,
   PL_ROCK_PITTED,
+  PL_ROCK_MODEL,
   PL_ROCK_FAMILIES
 } pl_rock_family_kind;
 extern const pl_rock_family pl_rock_families[PL_ROCK_FAMILIES];
@@ -55,16 +58,24 @@ void pl_rock_spheres_destroy(pl_rock_sphere *spheres);
 /* A ball with its cuts and noise. */
 typedef struct pl_rock_variant {
   const pl_rock_family *family;
-  uint32_t number; /* of a variant among those of all families */
-  uint32_t seed;   /* of noise */
+  const pl_rock_scan *scan; /* borrowed; NULL for a ball */
+  uint32_t number;          /* of a variant among those of all families */
+  uint32_t siblings;        /* variants of its family */
+  uint32_t seed;            /* of noise */
   int planes;
   pl_vec3 normals[PL_ROCK_PLANES]; /* over their distance */
   pl_vec3 probes[PL_ROCK_PROBES];  /* points of its surface */
   double plan;                     /* geometric mean of its widths along x and y */
 } pl_rock_variant;
 
-/* All variants, by number: those of a family follow one another. Freed with pl_free. */
-pl_status pl_rock_variants_create(const pl_rock_sphere *spheres, pl_rock_variant **out);
+/* No point of a shape is further from its centre, in plan diameters. */
+#define PL_ROCK_SHAPE_REACH 1.2
+
+/* All variants, by number: those of a family follow one another. `scans`: up to PL_ROCK_VARIANTS
+ * measured shapes, which must outlive the variants; PL_E_RANGE for one that is too long for its
+ * width. Freed with pl_free. */
+pl_status pl_rock_variants_create(const pl_rock_sphere *spheres, const pl_rock_scan *const *scans,
+                                  size_t scan_count, pl_rock_variant **out);
 
 /* One rock, of plan diameter 1 (the geometric mean of its widths along x and y). */
 typedef struct pl_rock_shape {
@@ -73,7 +84,7 @@ typedef struct pl_rock_shape {
   double radius; /* no point is further from the centre */
 } pl_rock_shape;
 
-/* Draws a shape of a family from three random words. */
+/* Draws a shape of a family that has variants from three random words. */
 void pl_rock_shape_draw(const pl_rock_variant *variants, pl_rock_family_kind family,
                         const uint64_t words[3], pl_rock_shape *out);
 

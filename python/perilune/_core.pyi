@@ -102,6 +102,9 @@ from perilune._core_terrain import (
     RockField as RockField,
 )
 from perilune._core_terrain import (
+    RockScan as RockScan,
+)
+from perilune._core_terrain import (
     Terrain as Terrain,
 )
 

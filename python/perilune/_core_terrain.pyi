@@ -66,6 +66,19 @@ class CraterField:
         """(n,) of CRATER, with centres within radius_m of a direction (3,)."""
 
 @final
+class RockScan:
+    """The shape of a measured rock: distances of its surface from the mean of its area, in all
+    directions, along its principal axes (z the shortest). The greatest is 1."""
+    def __new__(cls, positions: F64, triangles: NDArray[np.uint32]) -> Self:
+        """positions (V, 3), triangles (T, 3): a closed mesh, in any units and axes. ValueError if it
+        does not surround the mean of its area."""
+    @property
+    def folded(self) -> float:
+        """Share of directions in which overhangs were filled."""
+    def radii(self, directions: F64, /) -> F64:
+        """(n,) distances of the surface in directions (n, 3)."""
+
+@final
 class RockField:
     """Rocks of a body as a function of place."""
     def __new__(cls, settings: Mapping[str, object]) -> Self:
@@ -75,7 +88,8 @@ class RockField:
         law "table": (n, 2) diameters, m, and densities of rocks of these or more, 1/m^2), seed (0 to
         2^64 - 1), min_diameter_m, max_diameter_m, least_burial and most_burial (parts of the height
         below the ground), repose_rad (no rocks on steeper slopes), families (shares by names of
-        ROCK_FAMILIES; those not named have none), ejecta_at_rim (density of blocks at rims of new
+        ROCK_FAMILIES; those not named have none), models (up to 32
+        RockScans, of the family "model"), ejecta_at_rim (density of blocks at rims of new
         craters over that of the law), ejecta_life_ga, ejecta_least_crater_m."""
     def list(
         self, terrain: Terrain, direction: F64, radius_m: float, min_diameter_m: float = 0.0,

@@ -13,7 +13,7 @@ static pl_rock_variant *variants;
 static int open_shapes(void **state) {
   (void)state;
   assert_int_equal(pl_rock_spheres_create(&spheres), PL_OK);
-  assert_int_equal(pl_rock_variants_create(spheres, &variants), PL_OK);
+  assert_int_equal(pl_rock_variants_create(spheres, NULL, 0, &variants), PL_OK);
   return 0;
 }
 
@@ -37,7 +37,7 @@ static pl_rock_shape draw(test_random *random, int family) {
 static void test_points(void **state) {
   (void)state;
   test_random random = {.seed = 57};
-  for (int family = 0; family < PL_ROCK_FAMILIES; family++)
+  for (int family = 0; family < PL_ROCK_MODEL; family++)
     for (int k = 0; k < 20; k++) {
       const pl_rock_shape shape = draw(&random, family);
       for (int n = 0; n < 20; n++) {
@@ -58,7 +58,7 @@ static void test_extent(void **state) {
   test_random random = {.seed = 58};
   double sum = 0.0;
   enum { EACH = 10, POINTS = 6000 };
-  for (int family = 0; family < PL_ROCK_FAMILIES; family++)
+  for (int family = 0; family < PL_ROCK_MODEL; family++)
     for (int k = 0; k < EACH; k++) {
       const pl_rock_shape shape = draw(&random, family);
       const pl_vec3 axis = random_direction(&random);
@@ -80,7 +80,7 @@ static void test_extent(void **state) {
                  least, most);
       sum += (high.z - low.z) / plan;
     }
-  const double mean = sum / (PL_ROCK_FAMILIES * EACH);
+  const double mean = sum / (PL_ROCK_MODEL * EACH);
   if (!(mean > 0.54 && mean < 0.66))
     fail_msg("mean height over plan diameter %g", mean);
 }
@@ -89,7 +89,7 @@ static void test_extent(void **state) {
 static void test_variants(void **state) {
   (void)state;
   const pl_vec3 along = pl_vec3_unit((pl_vec3){0.3, -0.5, 0.8});
-  for (int family = 0; family < PL_ROCK_FAMILIES; family++) {
+  for (int family = 0; family < PL_ROCK_MODEL; family++) {
     double low = INFINITY, high = 0.0;
     for (int k = 0; k < PL_ROCK_VARIANTS; k++) {
       const pl_rock_variant *ball = &variants[family * PL_ROCK_VARIANTS + k];

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from typing import Any, get_args
 
 import numpy as np
@@ -11,8 +12,9 @@ from numpy.typing import NDArray
 from pydantic import ValidationError
 from tests.python import moon
 
+import perilune
 from perilune import _core
-from perilune.bodies.rocks import rock_field
+from perilune.bodies.rocks import read_rock_model, rock_field
 from perilune.config.rocks import FITTED_ABUNDANCE, RockFamilies, RockLaw, Rocks
 from perilune.config.terrain import Terrain
 
@@ -187,6 +189,9 @@ def test_slopes_of_repose() -> None:
         ({"families": {"pebble": 1.0}}, "pebble"),
         ({"families": {"slab": 0.0}}, "above 0"),
         ({"repose_deg": 90.0}, "repose_deg"),
+        ({"families": {"slab": 1.0}, "models": ["rock.glb"]}, "families.model"),
+        ({"families": {"slab": 1.0, "model": 1.0}}, "needs models"),
+        ({"models": ["rock.glb"] * 33}, "at most 32"),
     ],
 )
 def test_errors_of_the_section(keys: dict[str, object], text: str) -> None:
@@ -215,3 +220,76 @@ def test_more_about_young_craters() -> None:
         Terrain.model_validate({"rocks": {"ejecta": {}}})
     with pytest.raises(ValidationError, match="at_rim"):
         Rocks.model_validate({"ejecta": {"at_rim": 0.0}})
+
+
+def box(*sides: float) -> tuple[NDArray[np.float64], NDArray[np.uint32]]:
+    """A closed box of 12 triangles, one corner at the origin."""
+    corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)]) * sides
+    quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    halves = [half for a, b, c, d in quads for half in ((a, b, c), (a, c, d))]
+    return corners, np.array(halves, dtype=np.uint32)
+
+
+def test_models_give_the_shapes() -> None:
+    """A box is one from its middle on, with its longest side along x: distances of its faces, in
+    the units of that of its corner."""
+    scan = _core.RockScan(*box(3.0, 20.0, 10.0))
+    axes, half = np.eye(3), np.array([10.0, 5.0, 1.5])
+    unit = scan.radii(axes)[0] / half[0]
+    assert abs(unit * np.linalg.norm(half) - 1.0) < 0.01  # no direction of the table is a corner
+    np.testing.assert_allclose(scan.radii(axes), unit * half, rtol=1e-6)
+    np.testing.assert_allclose(scan.radii(-axes), unit * half, rtol=1e-6)
+    assert scan.folded == 0.0
+    bent = np.concatenate([box(4.0, 4.0, 1.0)[0], box(1.0, 1.0, 3.0)[0]])
+    triangles = box(1.0, 1.0, 1.0)[1]
+    hook = _core.RockScan(bent, np.concatenate([triangles, triangles + 8]))
+    assert 0.01 < hook.folded < 0.5
+
+
+def test_rocks_of_models_lie_on_the_ground() -> None:
+    """They are of their family, alone or in their share, and flat ones lie flat."""
+    scan = _core.RockScan(*box(3.0, 5.0, 1.5))
+    names = [row["name"] for row in _core.ROCK_FAMILIES]
+    only = field(law="haworth", families={"model": 1.0}, models=[scan])
+    listed = only.list(ground(None), PLACE, 30.0, 0.2)
+    assert {names[k] for k in listed["family"].tolist()} == {"model"}
+    high = field(law="haworth", families={"model": 1.0}, models=[_core.RockScan(*box(3, 3, 3))])
+    ratios = [
+        np.median(rows["height_m"] / (1.0 - rows["burial"]) / rows["diameter_m"])
+        for rows in (listed, high.list(ground(None), PLACE, 30.0, 0.2))
+    ]
+    assert 0.387 < ratios[0] < 0.75 * ratios[1]
+    shared = field(law="haworth", families={"model": 3.0, "slab": 1.0}, models=[scan, scan])
+    among = shared.list(ground(None), PLACE, 60.0, 0.2)
+    share = np.mean(among["family"] == names.index("model"))
+    assert abs(share - 0.75) < 4.5 * math.sqrt(0.75 * 0.25 / len(among))
+    with pytest.raises(ValueError, match="no models"):
+        field(families={"model": 1.0})
+    with pytest.raises(ValueError, match="share of the family 'model'"):
+        field(models=[scan])
+    with pytest.raises(TypeError, match="RockScan"):
+        field(families={"model": 1.0}, models=["rock.glb"])
+
+
+def test_files_of_models(tmp_path: Path, repo_dir: Path) -> None:
+    """What is wrong with one names the file and the key."""
+    model = repo_dir / "assets/models/test_object.glb"
+    assert read_rock_model(model).scan.folded < 1.0
+    config = repo_dir / "configs/lunar_rover.yaml"
+    for bad, text in [("gone.glb", "no such file"), ("lunar_rover.yaml", "lunar_rover.yaml")]:
+        tree = {"law": "haworth", "models": [str(model), bad]}
+        with pytest.raises((ValueError, OSError), match=rf"rocks\.models\[1\].*{text}"):
+            perilune.open(config, overrides={"bodies.moon.terrain.rocks": tree}).frame(0, ["depth"])
+
+
+@pytest.mark.needs_data
+def test_scans_of_samples(data_dir: Path) -> None:
+    files = sorted((data_dir / "rocks").glob("*.glb"))
+    assert len(files) == 9
+    scans = [read_rock_model(path).scan for path in files]
+    assert max(scan.folded for scan in scans) < 0.05
+    rocks = field(law="haworth", families={"model": 1.0}, models=scans)
+    listed = rocks.list(ground(None), PLACE, 50.0, 0.2)
+    assert len(listed) > 100
+    plain = field(law="haworth").list(ground(None), PLACE, 50.0, 0.2)
+    assert len(listed) > 0.9 * len(plain)

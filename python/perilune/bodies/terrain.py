@@ -14,7 +14,7 @@ from perilune.base.curves import curve
 from perilune.bodies.craters import crater_field
 from perilune.bodies.elevation import ElevationRaster
 from perilune.bodies.polar import with_patches
-from perilune.bodies.rocks import rock_field
+from perilune.bodies.rocks import RockModel, rock_field
 from perilune.bodies.roughness import BEND, of_elevation
 from perilune.config.terrain import Detail, Patch, Terrain
 from perilune.config.tracks import Track
@@ -88,11 +88,12 @@ def core_terrain(
     mask: Sequence[ElevationRaster] = (),
     geodetic: bool = False,
     textures: Sequence[Textures] = (),
+    rock_models: Sequence[RockModel] = (),
 ) -> _core.Terrain:
     """The core's ground of a section. rasters, albedo, roughness, mask: what its keys were read
     to; those that reach a pole get a patch over it, but not masks.
     catalogue: of CATALOGUED. geodetic: the latitudes of sites. textures: what
-    textures were read to. Raises ValueError."""
+    textures were read to. rock_models: what models of rocks were read to. Raises ValueError."""
     whole = [patch for row in rasters for patch in with_patches(row, float(radii_m[0]))]
     layers = [(row.raster, row.interpolation, row.border_posts, row.datum_m) for row in whole]
     detail = None if given.detail is None else _detail(given.detail)
@@ -104,7 +105,7 @@ def core_terrain(
         known = np.column_stack([catalogue["direction"], catalogue["diameter_m"]])
         below_m = float(catalogue["diameter_m"].min())
     craters = None if given.craters is None else crater_field(given.craters, radius_m, below_m)
-    rocks = None if given.rocks is None else rock_field(given.rocks, radius_m)
+    rocks = None if given.rocks is None else rock_field(given.rocks, radius_m, rock_models)
     sheets = tuple(_sheets(rows, float(radii_m[0])) for rows in (albedo, roughness))
     baseline_m = given.roughness_baseline_m
     masks = [(row.raster, row.border_posts) for row in mask]

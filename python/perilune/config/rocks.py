@@ -15,7 +15,7 @@ from perilune.config.size_laws import (
     check_diameters,
     check_rows,
 )
-from perilune.config.types import NonNegative, Positive, Strict
+from perilune.config.types import FileName, NonNegative, Positive, Strict
 
 RockLaw = Literal[
     "golombek",
@@ -62,6 +62,8 @@ class RockFamilies(Strict):
     """Knobbly, of fragments of many sizes."""
     pitted: NonNegative = 0.0
     """Worn and rough."""
+    model: NonNegative = 0.0
+    """One of `models`."""
 
     @model_validator(mode="after")
     def _some(self) -> RockFamilies:
@@ -133,8 +135,14 @@ class Rocks(Strict):
     """There are no rocks on steeper slopes, and fewer from 0.7 of it on."""
     ejecta: RockEjecta | None = None
     """More rocks about young craters; none by default."""
+    models: Annotated[tuple[FileName, ...], Field(max_length=32)] = ()
+    """Models of rocks (glTF): closed meshes of any size and axes, such as scans of samples. A rock
+    of the family `model` has the shape of one of them, stretched by some 15 %, and the surface of
+    the body, not the model's textures. Overhangs are filled, and what is narrower than 1.4 degrees
+    from the centre is smoothed."""
     families: RockFamilies | None = None
-    """Shares of the families of shapes. Default: angular ones more often than round ones."""
+    """Shares of the families of shapes. Default: `models` alone if there are any, otherwise drawn
+    shapes, angular ones more often than round ones."""
 
     @model_validator(mode="after")
     def _one_law(self) -> Rocks:
@@ -153,6 +161,14 @@ class Rocks(Strict):
         little = self.abundance is not None and self.abundance < FITTED_ABUNDANCE
         if little and self.decay_per_m is None:
             fail("decay_per_m", f"required by an abundance below {FITTED_ABUNDANCE:g}")
+        return self
+
+    @model_validator(mode="after")
+    def _models(self) -> Rocks:
+        if self.families is not None and bool(self.models) != (self.families.model > 0.0):
+            if self.models:
+                fail("models", "have no share: give families.model, or leave `families` out")
+            fail("families.model", "needs models")
         return self
 
     @model_validator(mode="after")

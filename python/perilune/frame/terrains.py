@@ -15,6 +15,7 @@ from perilune.bodies import terrain as terrains
 from perilune.bodies.craters import read_catalogue
 from perilune.bodies.elevation import ElevationRaster, read_elevation
 from perilune.bodies.ground_textures import read_texture
+from perilune.bodies.rocks import RockModel, read_rock_model
 from perilune.bodies.shapes import BodyShape
 from perilune.bodies.surface_rasters import ALBEDO, MASK, ROUGHNESS, Quantity, read_surface
 from perilune.config.body import Body
@@ -44,6 +45,7 @@ class Terrains:
         self._elevations: dict[tuple[Any, ...], ElevationRaster] = {}
         self._catalogues: dict[Path, NDArray[np.void]] = {}
         self._textures: dict[tuple[Any, ...], _core.Raster] = {}
+        self._rock_models: dict[Path, RockModel] = {}
         self._terrains: dict[tuple[Any, ...], tuple[_core.Terrain, Ground]] = {}
         self._shapes: dict[tuple[Any, ...], Ground] = {}
 
@@ -114,6 +116,23 @@ class Terrains:
             for k, row in enumerate(given.textures)
         ]
 
+    def _rock_models_of(
+        self, document: Document, where: str, given: Terrain, teller: Teller
+    ) -> list[RockModel]:
+        """Models of rocks, each read once."""
+        found = []
+        for k, file in enumerate(given.rocks.models if given.rocks is not None else ()):
+            key = f"{where}.rocks.models[{k}]"
+            path = document.path(file, key)
+            if path not in self._rock_models:
+                try:
+                    self._rock_models[path] = read_rock_model(path)
+                except ValueError as error:
+                    raise ConfigError(f"{document.source}:\n  {key}: {error}") from error
+            found.append(self._rock_models[path])
+            teller.tell(key, str(path), found[-1].remarks)
+        return found
+
     def catalogue(self, document: Document, name: str, body: Body) -> NDArray[np.void] | None:
         """The catalogue of a body's craters, read once; None if it has none."""
         if body.terrain is None or body.terrain.crater_catalogue is None:
@@ -162,6 +181,7 @@ class Terrains:
             mask = read("mask", given.mask, MASK)
             catalogue = self.catalogue(document, name, body)
             textures = self._textures_of(document, where, given)
+            rock_models = self._rock_models_of(document, where, given, teller)
             make_room(self._terrains, _GROUNDS)
             try:
                 core = terrains.core_terrain(
@@ -174,6 +194,7 @@ class Terrains:
                     mask,
                     body.is_geodetic,
                     textures,
+                    rock_models,
                 )
             except ValueError as error:
                 raise ConfigError(f"{document.source}:\n  {where}: {error}") from error
