@@ -154,7 +154,7 @@ static void test_cube_projects_on_its_mask(void **state) {
                            random_range(&random, 4, 20)};
     stage_add_object(&s, model, pl_pose_apply(camera, place), random_rotation(&random), 3.0);
     const double metre = 3.0517578125e-5; /* ulp of the camera's position */
-    film f = shoot(&s, 1, 0, 0);
+    film f = shoot(&s, 1, 0, no_effects());
     const pl_object_label *label = &f.objects[0];
     point2 points[24];
     for (size_t i = 0; i < 24; i++) {
@@ -206,7 +206,7 @@ static void test_sun_disc(void **state) {
   stage s;
   stage_init(&s, 64, 64, 3000.0); /* the disc is 28 px across */
   s.placement.sun.position_m = (pl_vec3){0.0005 * AU, -0.001 * AU, AU};
-  film f = shoot(&s, 256, 0, 0);
+  film f = shoot(&s, 256, 0, no_effects());
   double irradiance = 0.0;
   for (int y = 0; y < 64; y++)
     for (int x = 0; x < 64; x++) {
@@ -238,7 +238,7 @@ static void test_glint_needs_no_bounce(void **state) {
       /* The normal halves the angle between the camera (-z) and the sun (+x). */
       stage_add_object(&s, model, (pl_vec3){0, 0, 10},
                        pl_quat_axis_angle((pl_vec3){0, 1, 0}, 0.75 * PL_PI), 1.0);
-      film f = shoot(&s, 1024, bounces, 0);
+      film f = shoot(&s, 1024, bounces, no_effects());
       peak[rough][bounces] = (double)f.radiance[3 * (8 * 16 + 8)];
       film_clear(&f);
       stage_clear(&s);
@@ -278,7 +278,7 @@ static void test_eclipse(void **state) {
     const pl_vec3 caster = pl_vec3_madd((pl_vec3){0, 0, 1e7}, 2e8, toward);
     stage_add_body(&s, (pl_vec3){caster.x + (aside ? 9e6 : 0.0), caster.y, caster.z},
                    (pl_vec3){4e6, 4e6, 4e6}, 0.5f);
-    film f = shoot(&s, 16, 0, 0);
+    film f = shoot(&s, 16, 0, no_effects());
     const float value = f.radiance[3 * (13 * 16 + 8)];
     if (aside)
       assert_true(value > 10.0f);

@@ -156,15 +156,15 @@ static void test_penumbra(void **state) {
   (void)state;
   pl_model *ground = square_create(300.0);
   ground->materials[0].lambert = true; /* Lambert */
-  const pl_effect_set all = all_effects();
+  const pl_effect_set all = all_effects(), none = no_effects();
   const shadow_case cases[] = {
-      {"umbra on a mesh", 8.0, 1000.0, false, 0, false},
-      {"annular on a mesh", 5.0, 1500.0, false, 0, false},
+      {"umbra on a mesh", 8.0, 1000.0, false, none, false},
+      {"annular on a mesh", 5.0, 1500.0, false, none, false},
       {"umbra on a mesh, all effects", 8.0, 1000.0, false, all, false},
-      {"umbra on a body", 8.0, 1000.0, true, 0, false},
+      {"umbra on a body", 8.0, 1000.0, true, none, false},
       {"annular on a body, all effects", 5.0, 1500.0, true, all, false},
-      {"umbra on a mesh, darkened limb", 8.0, 1000.0, false, 0, true},
-      {"annular on a body, darkened limb", 5.0, 1500.0, true, 0, true},
+      {"umbra on a mesh, darkened limb", 8.0, 1000.0, false, none, true},
+      {"annular on a body, darkened limb", 5.0, 1500.0, true, none, true},
   };
   for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
     check_penumbra(&cases[i], ground);

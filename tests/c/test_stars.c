@@ -163,7 +163,7 @@ static void test_energy_and_place(void **state) {
     const pl_star star = star_at(toward(at[i][0], at[i][1]), 2e-3, 7);
     pl_star_catalogue *catalogue = catalogue_of(&star, 1);
     const pl_sky sky = {.stars = catalogue};
-    render_sky(&s, &sky, 0, 0.5, 1, &f, &result);
+    render_sky(&s, &sky, no_effects(), 0.5, 1, &f, &result);
     const found seen = measure_star(&f);
     assert_int_equal(result.star_count, 1);
     assert_true(fabs(seen.energy / 2e-3 - 1.0) < 1e-6);
@@ -220,7 +220,7 @@ static void test_limb_hides(void **state) {
     const pl_star star = star_at((pl_vec3){sin(angle), 0, cos(angle)}, 2e-3, 7);
     pl_star_catalogue *catalogue = catalogue_of(&star, 1);
     const pl_sky sky = {.stars = catalogue};
-    render_sky(&s, &sky, 0, 0.5, 1, &f, &result);
+    render_sky(&s, &sky, no_effects(), 0.5, 1, &f, &result);
     assert_int_equal(result.star_count, side > 0);
     pl_star_catalogue_destroy(catalogue);
     film_clear(&f);
@@ -240,9 +240,9 @@ static void test_threads(void **state) {
   stage_add_body(&s, (pl_vec3){1e6, 0, 2e7}, (pl_vec3){3e6, 3e6, 3e6}, 0.5f);
   film_init(&one, &s);
   film_init(&many, &s);
-  render_sky(&s, &sky, 0, 0.5, 1, &one, &result);
+  render_sky(&s, &sky, no_effects(), 0.5, 1, &one, &result);
   assert_true(result.star_count > 50);
-  render_sky(&s, &sky, 0, 0.5, 3, &many, &result);
+  render_sky(&s, &sky, no_effects(), 0.5, 3, &many, &result);
   assert_memory_equal(one.memory, many.memory, one.bytes);
   film_clear(&one);
   film_clear(&many);
