@@ -212,10 +212,10 @@ void pl_crater_draw_terraces(const pl_crater_field *field, const pl_scatter_site
   pl_crater_terraces *out = &draw->terraces;
   out->count = 2 + (int)(3.0 * pl_philox_double(words[0]));
   out->floor = pl_crater_fresh(diameter_m).floor;
-  /* Waves of a length wear off by diffusion at their rate, with the diffusivity of their size. */
+  /* Waves of a length wear off by diffusion at their rate. That diffusivity is the crater's own:
+   * with the smaller one of their size, walls that are worn smooth would keep thin rings. */
   const double step = (1.0 - out->floor) / out->count, wave = 2.0 * PL_PI / step;
-  const double slower = pow(0.5 * step, field->frame.diffusivity_exponent);
-  out->depth = TREADS * field->frame.terraces * complex * exp(-wave * wave * draw->tau * slower) *
+  out->depth = TREADS * field->frame.terraces * complex * exp(-wave * wave * draw->tau) *
                pl_crater_fade(0.5 * step * diameter_m, footprint_m);
   for (int k = 0; k < PL_CRATER_TERRACE_ORDERS; k++) {
     pl_scatter_words(&field->scatter, site->id, FOR_TERRACES + 1 + (uint64_t)k, words);
