@@ -509,7 +509,7 @@ def test_every_physical_key_has_its_unit():
         "diffusivity_exponent", "table", "terraces",  # of craters
         "low", "high",  # of factors
         "block", "cube", "wedge", "slab", "tablet", "shard", "split", "cobble", "boulder", "egg",
-        "breccia", "pitted", "abundance", "least_burial", "most_burial",  # of rocks
+        "breccia", "pitted", "model", "abundance", "least_burial", "most_burial",  # rocks
         "least_depth", "least_kept", "classes",  # of labels
         "points",  # of discs
         "columns", "rows", "pulses", "steps", "pattern", "sub_rays", "instants", "max_returns",
