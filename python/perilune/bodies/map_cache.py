@@ -33,9 +33,10 @@ class MapCache:
 
     def of(self, path: Path, options: Key, read: Callable[[], Read]) -> Read:
         """The map of a file, read if it is not there. options: all else that decides on it."""
-        state = path.stat() if path.exists() else None
-        if state is None:
-            return read()
+        try:
+            state = path.stat()
+        except OSError:
+            return read()  # which says what is wrong
         key = (path.resolve(), state.st_mtime_ns, state.st_size, state.st_ino, options)
         with self._lock:
             found = self._kept.get(key)

@@ -54,7 +54,10 @@ _STAGES = 4
 
 
 _FILES = 16
-"""Number of models, and of shapes, to keep besides those of the configuration that is built."""
+"""Number of models, of shapes and of maps to keep besides those of the configuration that is
+built."""
+_MAPS = 6
+"""Most maps that a body has at a time."""
 
 
 @dataclass
@@ -403,6 +406,7 @@ class Handles:
             except ValueError as error:
                 where = f"{self.document.source}: bodies.{name}.{key}"
                 raise ConfigError(f"{where}: {error}") from error
+            make_room(self.assets.files, _FILES + _MAPS * len(self.document.config.bodies))
             self.assets.files[path, *options_key] = made
             self.tell(f"bodies.{name}.{key}", str(path), remarks)
         return self.assets.files[path, *options_key]
