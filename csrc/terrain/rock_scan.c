@@ -153,12 +153,8 @@ typedef struct tables {
   double most[NODES * NODES], least[NODES * NODES]; /* 0: not met yet */
   pl_vec3 directions[NODES * NODES];
   pl_vec3 middles[CELLS * CELLS]; /* of cells of nodes */
-  double reach[CELLS * CELLS];    /* greatest angle of a node of the cell from its middle, rad */
+  double cosines[CELLS * CELLS];  /* of the greatest angle of a node of the cell from it */
 } tables;
-
-static double angle_between(pl_vec3 a, pl_vec3 b) {
-  return atan2(pl_vec3_norm(pl_vec3_cross(a, b)), pl_vec3_dot(a, b));
-}
 
 static void lay_out(tables *all) {
   for (int j = 0; j < NODES; j++)
@@ -168,10 +164,11 @@ static void lay_out(tables *all) {
     for (int x = 0; x < CELLS; x++) {
       const int cell = y * CELLS + x;
       all->middles[cell] = node_direction(CELL * x + CELL / 2, CELL * y + CELL / 2);
+      all->cosines[cell] = 1.0;
       for (int j = CELL * y; j <= CELL * (y + 1); j++)
         for (int i = CELL * x; i <= CELL * (x + 1); i++)
-          all->reach[cell] = fmax(
-              all->reach[cell], angle_between(all->middles[cell], all->directions[j * NODES + i]));
+          all->cosines[cell] = fmin(
+              all->cosines[cell], pl_vec3_dot(all->middles[cell], all->directions[j * NODES + i]));
     }
 }
 
@@ -179,23 +176,31 @@ static void lay_out(tables *all) {
 typedef struct facet {
   pl_vec3 a, ab, ac, normal;
   pl_vec3 axis;
-  double angle; /* pi: all directions */
+  double cosine; /* of the cone's half angle; -1: all directions */
 } facet;
 
 static facet facet_of(const placed *mesh, size_t triangle) {
   const pl_vec3 a = corner(mesh, triangle, 0), b = corner(mesh, triangle, 1);
-  const pl_vec3 c = corner(mesh, triangle, 2);
-  facet of = {.a = a, .ab = pl_vec3_sub(b, a), .ac = pl_vec3_sub(c, a), .angle = PL_PI};
+  const pl_vec3 c = corner(mesh, triangle, 2), middle = pl_vec3_add(a, pl_vec3_add(b, c));
+  facet of = {.a = a, .ab = pl_vec3_sub(b, a), .ac = pl_vec3_sub(c, a), .cosine = -1.0};
   of.normal = pl_vec3_cross(of.ab, of.ac);
-  const pl_vec3 middle = pl_vec3_add(a, pl_vec3_add(b, c));
-  if (!(pl_vec3_norm(middle) > 0.0))
+  const double least = fmin(pl_vec3_norm(a), fmin(pl_vec3_norm(b), pl_vec3_norm(c)));
+  if (!(least > 0.0 && pl_vec3_norm(middle) > 0.0))
     return of;
   of.axis = pl_vec3_unit(middle);
-  const double most =
-      fmax(angle_between(of.axis, a), fmax(angle_between(of.axis, b), angle_between(of.axis, c)));
-  if (most < 0.45 * PL_PI) /* a cone is convex as long as it is less than half of space */
-    of.angle = most;
+  const double cosine =
+      fmin(pl_vec3_dot(of.axis, pl_vec3_unit(a)),
+           fmin(pl_vec3_dot(of.axis, pl_vec3_unit(b)), pl_vec3_dot(of.axis, pl_vec3_unit(c))));
+  if (cosine > 0.1) /* a cone is convex as long as it is less than half of space */
+    of.cosine = cosine;
   return of;
+}
+
+/* Whether a cone about the facet's axis and one about a cell's middle may meet. */
+static bool meets(const facet *of, pl_vec3 middle, double cosine) {
+  const double sines =
+      sqrt(fmax(1.0 - of->cosine * of->cosine, 0.0) * fmax(1.0 - cosine * cosine, 0.0));
+  return of->cosine == -1.0 || pl_vec3_dot(of->axis, middle) >= of->cosine * cosine - sines - 1e-9;
 }
 
 /* Distance along a direction at which a triangle is met; 0 if it is not (Moeller and Trumbore). */
@@ -224,8 +229,7 @@ static void add_cell(tables *all, const facet *of, int cell) {
 
 static void add_facet(tables *all, const facet *of) {
   for (int cell = 0; cell < CELLS * CELLS; cell++)
-    if (of->angle == PL_PI ||
-        angle_between(of->axis, all->middles[cell]) <= of->angle + all->reach[cell] + 1e-9)
+    if (meets(of, all->middles[cell], all->cosines[cell]))
       add_cell(all, of, cell);
 }
 
