@@ -15,13 +15,20 @@ import perilune
 
 CONFIGS = Path(__file__).resolve().parents[2] / "configs"
 SIZE = {"camera.width": 480, "camera.height": 360, "render.samples": 16}
-ROVER_SUN = "sun.at.elevation_deg"
+SUN_ELEVATION = "sun.at.elevation_deg"
 SCENES = (
     ("the south pole, 8 to 15 km up, Sun 1.5 deg", "lunar_pole", {}),
     ("a mare, from a lander", "lunar_lander", {}),
-    ("a rover's mast, Sun 8 deg", "lunar_rover", {ROVER_SUN: 8.0}),
-    ("the same, Sun 40 deg", "lunar_rover", {ROVER_SUN: 40.0}),
+    ("a rover's mast, Sun 8 deg", "lunar_rover", {SUN_ELEVATION: 8.0}),
+    ("the same, Sun 40 deg", "lunar_rover", {SUN_ELEVATION: 40.0}),
 )
+UNDER_SUNS = (
+    ("orbiter", "lunar_orbiter", 5, (5.0, 15.0, 60.0)),
+    ("lander", "lunar_lander", 40, (5.0, 15.0, 60.0)),
+    ("rover", "lunar_rover", 3, (5.0, 15.0, 60.0)),
+    ("pole", "lunar_pole", 0, (1.5, 5.0, 15.0)),
+)
+"""Title, configuration, frame, elevations of the Sun in degrees."""
 
 TRACK = {
     "lon_deg": 10.0,
@@ -37,10 +44,24 @@ def tracks() -> tuple[str, NDArray[np.uint8]]:
         "bodies.moon.terrain.tracks": [TRACK],
         "camera.trajectory.yaw_deg": -25.0,
         "camera.trajectory.pitch_deg": -25.0,
-        ROVER_SUN: 15.0,
+        SUN_ELEVATION: 15.0,
     }
     sim = perilune.open(CONFIGS / "lunar_rover.yaml", overrides=SIZE | changes)
     return "tracks of a rover, Sun 15 deg", sim.frame(0, ["rgb"])["rgb"]
+
+
+def suns() -> list[list[tuple[str, NDArray[np.uint8]]]]:
+    """Rows of titles and images: scenes under a low, a middling and a high Sun."""
+    small = {"camera.width": 280, "camera.height": 210}
+    rows = []
+    for title, name, frame, elevations in UNDER_SUNS:
+        row = []
+        for elevation in elevations:
+            changes = small | {SUN_ELEVATION: elevation}
+            sim = perilune.open(CONFIGS / f"{name}.yaml", overrides=changes)
+            row.append((f"{title}, Sun {elevation:g} deg", sim.frame(frame, ["rgb"])["rgb"]))
+        rows.append(row)
+    return rows
 
 
 def views() -> list[tuple[str, NDArray[np.uint8]]]:

@@ -7,7 +7,7 @@ orbits. Figure 13: camera trajectories, sketched, with frames taken along them. 
 configs/demo.yaml with the changes below. `moon`: see moon_figures.py. Figure 8: a noise of three
 scales. Figure 10: foil under rising jitter. `materials`: a sheet of all ready materials.
 `light_curve`: an eclipse in low orbit. `glare` and `moon_sensor`: see sensor_figures.py. `shutter`:
-see shutter_figures.py. `shapes`: see shape_figures.py. `terrain`: see
+see shutter_figures.py. `shapes`: see shape_figures.py. `terrain`, `suns`, `tracks`: see
 ground_figures.py. `ground`: see ground_statistics.py. `lunar_...`: see
 lunar_paper.py. Needs the
 extra `plot`.
@@ -180,6 +180,10 @@ def terrain() -> None:
     pictures("terrain.png", [views[:2], views[2:]], 9.6)
 
 
+def suns() -> None:
+    pictures("suns.png", ground_figures.suns(), 8.4)
+
+
 def tracks() -> None:
     pictures("tracks.png", [[ground_figures.tracks()]], 4.8)
 
@@ -323,6 +327,7 @@ FIGURES = {
     "13": figure_13,
     "glare": glare,
     "ground": ground,
+    "suns": suns,
     "lunar_02": lunar_02,
     "lunar_03": lunar_03,
     "lunar_04": lunar_04,
