@@ -177,11 +177,11 @@ static pl_status take_scan(const pl_rock_scan *const *scans, size_t k, size_t co
   const double longest = 1.0 / (out->plan * sqrt(1.0 - MOST_DEVIATIONS * WIDTH_SCATTER));
   return longest <= PL_ROCK_SHAPE_REACH
              ? PL_OK
-             : pl_fail(
-                   PL_E_RANGE,
-                   "models[%zu] is too long for its width: seen from above, the geometric mean of "
-                   "both is %.2g of its greatest radius; at least %.2g",
-                   k, out->plan, out->plan * longest / PL_ROCK_SHAPE_REACH);
+             : pl_fail(PL_E_RANGE,
+                       "rocks.models[%zu] is too long for its width: seen from above, the "
+                       "geometric mean of "
+                       "both is %.2g of its greatest radius; at least %.2g",
+                       k, out->plan, out->plan * longest / PL_ROCK_SHAPE_REACH);
 }
 
 pl_status pl_rock_variants_create(const pl_rock_sphere *spheres, const pl_rock_scan *const *scans,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,7 @@ import pytest
 from tests.python.optics_scenes import at, ball, opened, tree
 
 from perilune import _core
-from perilune.bodies.map_cache import MapCache
+from perilune.bodies.map_cache import MAPS, MapCache
 
 
 def write(path: Path, grey: int, side: int = 8) -> None:
@@ -39,6 +40,18 @@ def test_a_file_is_read_once_until_it_changes(tmp_path: Path) -> None:
     path.unlink()
     with pytest.raises(OSError, match=r"map\.png"):
         cache.of(path, ("a",), read)
+
+
+def test_a_child_of_a_fork_reads_maps(tmp_path: Path) -> None:
+    """Though another thread of the parent was in the cache; it would wait for ever."""
+    write(tmp_path / "map.png", 100)
+    with MAPS._lock:
+        child = os.fork()
+        if child == 0:
+            signal.alarm(10)
+            MAPS.of(tmp_path / "map.png", (), lambda: (_core.Map(str(tmp_path / "map.png")), ()))
+            os._exit(0)
+    assert os.waitpid(child, 0)[1] == 0
 
 
 def test_what_was_asked_for_longest_ago_is_let_go(tmp_path: Path) -> None:

@@ -26,9 +26,9 @@ class MapCache:
         self._most = most_bytes
         self._kept: OrderedDict[Key, Read] = OrderedDict()
         self._lock = Lock()
-        os.register_at_fork(after_in_child=self._renew)
 
-    def _renew(self) -> None:
+    def unlock(self) -> None:
+        """For the child of a fork: the thread that held the lock is not there."""
         self._lock = Lock()
 
     def of(self, path: Path, options: Key, read: Callable[[], Read]) -> Read:
@@ -58,3 +58,4 @@ class MapCache:
 
 MAPS = MapCache()
 """That of this process."""
+os.register_at_fork(after_in_child=MAPS.unlock)
