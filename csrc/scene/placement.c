@@ -1,7 +1,7 @@
 /* Interpolates poses over the exposure and checks placements. */
 #include "scene/scene.h"
 
-#include "geom/shape.h"
+#include "geom/inside.h"
 
 static pl_pose between(const pl_pose *a, const pl_pose *b, double u) {
   const pl_vec3 t = pl_vec3_madd(a->t, u, pl_vec3_sub(b->t, a->t));
@@ -202,16 +202,11 @@ pl_object_state pl_placement_object(const pl_placement *placement, const pl_obje
   return (pl_object_state){.motion = placement->bodies[object->body].motion, .scale = 1.0};
 }
 
-/* Sums the solid angles of all triangles (winding number), but only if the shape's box contains the
- * camera. */
 static pl_status check_outside(const pl_object *shape, const pl_object_state *state,
                                pl_vec3 camera) {
   const pl_pose pose = pl_motion_middle(&state->motion);
   const pl_vec3 p = pl_mat3_mul_vec_t(pl_mat3_from_quat(pose.q), pl_vec3_sub(camera, pose.t));
-  const pl_vec3 q = pl_model_mesh_point(shape->model, p);
-  const float *low = shape->model->bounds_min, *high = shape->model->bounds_max;
-  if (q.x < low[0] || q.y < low[1] || q.z < low[2] || q.x > high[0] || q.y > high[1] ||
-      q.z > high[2] || fabs(pl_shape_winding(shape->model, p)) < 0.5)
+  if (!pl_cover_inside(shape->cover, p).inside)
     return PL_OK;
   return pl_fail(PL_E_RANGE, "the camera is inside the shape of body '%s'", shape->name);
 }

@@ -2,6 +2,7 @@
 #include "harness.h"
 
 #include "frames.h"
+#include "geom/inside.h"
 #include "geom/shape.h"
 #include "scene/snapshot.h"
 
@@ -61,6 +62,94 @@ static void test_winding(void **state) {
   assert_true(fabs(fabs(pl_shape_winding(cube, (pl_vec3){0.3, -0.2, 1.0})) - 0.5) < 1e-9);
   assert_true(fabs(pl_shape_winding(cube, (pl_vec3){0.3, -0.2, 1e9})) < 1e-9);
   pl_model_destroy(cube);
+}
+
+/* A ball with hills of two fifths of its radius, maybe turned inside out, and maybe with the same
+ * ball again, shifted into it; to be destroyed. */
+static pl_model *hills_create(test_random *random, int rings, bool inverted, bool twice) {
+  pl_model *ball = ball_create(rings, 1.0), *out = NULL;
+  const size_t n = ball->vertex_count, faces = 3 * ball->triangle_count, times = twice ? 2 : 1;
+  float *p = malloc(3 * n * times * sizeof *p);
+  uint32_t *f = malloc(faces * times * sizeof *f);
+  const double k[3] = {random_range(random, 1, 6), random_range(random, 1, 6),
+                       random_range(random, 1, 6)};
+  assert_true(p != NULL && f != NULL);
+  for (size_t v = 0; v < n * times; v++) {
+    const float *q = ball->positions + 3 * (v % n);
+    const double hill = 1.0 + 0.4 * sin(k[0] * q[0]) * sin(k[1] * q[1] + k[2] * q[2]);
+    for (size_t i = 0; i < 3; i++)
+      p[3 * v + i] = (float)(hill * q[i]) + (v < n ? 0.0f : 0.5f);
+  }
+  for (size_t i = 0; i < faces * times; i++) {
+    const size_t corner = i % 3 == 0 || !inverted ? i : i - i % 3 + 3 - i % 3;
+    f[i] = ball->indices[corner % faces] + (uint32_t)(i < faces ? 0 : n);
+  }
+  const pl_status made = pl_shape_create("hills", p, n * times, f, faces / 3 * times, &out);
+  assert_int_equal(made, PL_OK);
+  pl_model_destroy(ball);
+  free(p);
+  free(f);
+  return out;
+}
+
+/* Compares with the sum of all solid angles at random points, and at some above, below and beside
+ * corners, where rays along the axes meet edges. Near the surface rounding may put both on
+ * different sides of one half. */
+static void compare_inside(const pl_model *model, test_random *random, size_t *inside) {
+  pl_cover cover;
+  assert_int_equal(pl_cover_init(model, &cover), PL_OK);
+  for (int i = 0; i < 60; i++) {
+    pl_vec3 point = pl_vec3_scale(random_direction(random), random_range(random, 0.0, 1.5));
+    if (i % 3 == 0) {
+      const float *v = model->positions + 3 * ((size_t)i * 7 % model->vertex_count);
+      point = pl_vec3_add(pl_vec3_scale((pl_vec3){v[0], v[1], v[2]}, model->unit), model->origin);
+      point.x *= i % 2 == 0 ? 0.5 : 1.0;
+      point.z += i % 2 == 0 ? 0.0 : random_range(random, -1.0, 1.0);
+    }
+    const double winding = fabs(pl_shape_winding(model, point));
+    if (fabs(winding - 0.5) > 1e-9) {
+      assert_int_equal(pl_cover_inside(&cover, point).inside, winding >= 0.5);
+      *inside += winding >= 0.5;
+    }
+  }
+  pl_cover_clear(&cover);
+}
+
+static void test_inside(void **state) {
+  (void)state;
+  test_random random = {.seed = 1717};
+  size_t inside = 0;
+  print_message("seed 1717\n");
+  for (int i = 0; i < 40; i++) {
+    pl_model *hills = hills_create(&random, 4 + i, i % 2 == 1, i % 4 > 1);
+    compare_inside(hills, &random, &inside);
+    pl_model_destroy(hills);
+  }
+  pl_model *cube = cube_create(1.0);
+  compare_inside(cube, &random, &inside);
+  pl_model_destroy(cube);
+  assert_true(inside > 600 && inside < 1900);
+}
+
+/* A hundred times the triangles, ten times as many in the boxes along a ray at most. In a corner no
+ * ray decides, and all triangles do. */
+static void test_inside_looks_at_few(void **state) {
+  (void)state;
+  size_t seen[2];
+  for (int i = 0; i < 2; i++) {
+    pl_model *ball = ball_create(i == 0 ? 16 : 160, 2.0);
+    pl_cover cover;
+    assert_int_equal(pl_cover_init(ball, &cover), PL_OK);
+    const pl_inside found = pl_cover_inside(&cover, (pl_vec3){0.3, 0.4, 0.5});
+    const pl_inside corner = pl_cover_inside(&cover, (pl_vec3){0.0, 0.0, 2.0});
+    assert_true(found.inside && found.triangles > 0);
+    assert_true(corner.triangles > ball->triangle_count);
+    print_message("%zu of %zu triangles\n", found.triangles, ball->triangle_count);
+    seen[i] = found.triangles;
+    pl_cover_clear(&cover);
+    pl_model_destroy(ball);
+  }
+  assert_true(seen[1] <= 10 * seen[0]);
 }
 
 /* A corner of a cube sees its faces alike, however they are cut in two. */
@@ -294,6 +383,8 @@ static void test_as_the_ellipsoid(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_winding),
+      cmocka_unit_test(test_inside),
+      cmocka_unit_test(test_inside_looks_at_few),
       cmocka_unit_test(test_normals_do_not_depend_on_the_cut),
       cmocka_unit_test(test_refuses),
       cmocka_unit_test(test_memory),
