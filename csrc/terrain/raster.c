@@ -81,6 +81,35 @@ static void set_snap(pl_raster *r) {
   r->snap_v = fmin(1e-9 + 4.0 * DBL_EPSILON * size / fabs(f->dy), 1e-3);
 }
 
+/* Points along each edge by which a raster's reach is found. */
+enum { EDGE_POINTS = 64 };
+
+/* A region that holds its middle and whose edges all lie within a cap about it, below a hemisphere,
+ * lies in the cap, or beyond it around the antipode: rasters that reach so far are left out. */
+static void set_reach(pl_raster *r) {
+  const double u0 = -0.5, v0 = -0.5, u1 = r->columns - 0.5, v1 = r->rows - 0.5;
+  double farthest = 0.0, widest = 0.0;
+  r->middle = pl_raster_direction(r, 0.5 * (u0 + u1), 0.5 * (v0 + v1));
+  r->reach = INFINITY;
+  if (r->wraps)
+    return;
+  for (int edge = 0; edge < 4; edge++) {
+    pl_vec3 before = r->middle;
+    for (int k = 0; k <= EDGE_POINTS; k++) {
+      const double t = k / (double)EDGE_POINTS;
+      const double u = edge == 0 ? u0 : edge == 1 ? u1 : u0 + t * (u1 - u0);
+      const double v = edge == 2 ? v0 : edge == 3 ? v1 : v0 + t * (v1 - v0);
+      const pl_vec3 at = pl_raster_direction(r, u, v);
+      farthest = fmax(farthest, pl_vec3_norm(pl_vec3_sub(at, r->middle)));
+      if (k > 0)
+        widest = fmax(widest, pl_vec3_norm(pl_vec3_sub(at, before)));
+      before = at;
+    }
+  }
+  if (farthest + widest < 1.0) /* false for NAN, too */
+    r->reach = farthest + widest;
+}
+
 static int half(int n) { return n > 1 ? n - n / 2 : 1; }
 
 /* Sets the sizes of all levels; returns the number of values above level 0. */
@@ -106,6 +135,7 @@ static pl_status make(pl_raster *r) {
   PL_TRY(check_place(&r->frame));
   connect(r);
   set_snap(r);
+  set_reach(r);
   PL_TRY(pl_alloc_or_fail(lay_out(r), sizeof(float), "means of a raster", &memory));
   r->memory = memory;
   return pl_raster_fill(r);

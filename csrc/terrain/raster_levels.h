@@ -22,6 +22,8 @@ struct pl_raster {
   double pole_rows[2]; /* rows of these poles: of a post, or half a post beyond it */
   int columns, rows;   /* without a column that repeats the first */
   double snap_u, snap_v;
+  pl_vec3 middle; /* direction of its middle */
+  double reach;   /* greatest distance of unit directions on it from there; INFINITY: not known */
   double least, greatest; /* of the samples */
   int level_count;
   pl_raster_level levels[PL_RASTER_LEVELS_MAX];

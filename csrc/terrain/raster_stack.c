@@ -75,7 +75,8 @@ pl_raster_mix pl_raster_stack_at(const pl_raster_stack *stack, pl_vec3 direction
 double pl_raster_stack_nearest(const pl_raster_stack *stack, pl_vec3 direction) {
   double value = 0.0;
   for (size_t n = stack->count; n-- > 0;)
-    if (pl_raster_nearest(stack->sheets[n].raster, direction, &value))
+    if (!pl_raster_far(stack->sheets[n].raster, direction, 0.0) &&
+        pl_raster_nearest(stack->sheets[n].raster, direction, &value))
       return value;
   return 0.0;
 }

@@ -5,7 +5,7 @@
 
 #include "terrain/raster.h"
 
-enum { PL_RASTER_STACK = 16 };
+enum { PL_RASTER_STACK = 1024 };
 
 typedef struct pl_raster_sheet {
   const pl_raster *raster; /* borrowed */

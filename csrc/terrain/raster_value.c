@@ -61,6 +61,12 @@ double pl_raster_outside_m(const pl_raster *r, pl_vec3 direction, double radius_
   return hypot(across, along);
 }
 
+bool pl_raster_far(const pl_raster *r, pl_vec3 direction, double distance) {
+  const pl_vec3 away = pl_vec3_sub(direction, r->middle);
+  const double near = r->reach + distance + 1e-9;
+  return pl_vec3_dot(away, away) > near * near;
+}
+
 pl_vec3 pl_raster_direction(const pl_raster *r, double u, double v) {
   const pl_raster_frame *f = &r->frame;
   return pl_projection_inverse(&f->projection, f->x0 + u * f->dx, f->y0 + v * f->dy);
@@ -121,6 +127,8 @@ double pl_raster_cover(const pl_raster *r, pl_vec3 direction, double width_rad, 
   const pl_raster_frame *f = &r->frame;
   const bool around[2] = {r->wraps, r->wraps};
   *u = *v = NAN;
+  if (pl_raster_far(r, direction, width_rad))
+    return 0.0;
   pl_raster_find(r, direction, u, v);
   if (isnan(*u))
     return 0.0;

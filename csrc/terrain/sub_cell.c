@@ -59,7 +59,8 @@ static int coarsest_at(const pl_terrain *terrain, pl_vec3 direction) {
   for (size_t n = terrain->layer_count; n-- > 0;) {
     const pl_layer *layer = &terrain->layers[n];
     double u, v;
-    if (pl_raster_find(layer->given.raster, direction, &u, &v) &&
+    if (!pl_raster_far(layer->given.raster, direction, 0.0) &&
+        pl_raster_find(layer->given.raster, direction, &u, &v) &&
         pl_raster_weight(layer->given.raster, u, v, layer->given.border_posts) >= 0.5)
       return pl_cube_level(layer->spacing_m, terrain->radius_m);
   }

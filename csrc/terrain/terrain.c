@@ -111,6 +111,22 @@ static pl_status copy_known(const pl_terrain_frame *frame, pl_terrain *t) {
   return PL_OK;
 }
 
+static pl_status copy_layers(const pl_terrain_frame *frame, pl_terrain *t) {
+  void *memory;
+  PL_TRY(pl_alloc_or_fail(frame->layer_count, sizeof *t->layers, "rasters of a terrain", &memory));
+  t->layers = memory;
+  t->layer_count = frame->layer_count;
+  for (size_t n = 0; n < t->layer_count; n++) {
+    pl_layer *layer = &t->layers[n];
+    layer->given = frame->layers[n];
+    layer->spacing_m = pl_raster_spacing_m(layer->given.raster, t->radius_m);
+    layer->coarsest = pl_cube_level(PL_TERRAIN_OVERLAP * layer->spacing_m, t->radius_m);
+    if (layer->coarsest < t->detail.first)
+      layer->coarsest = t->detail.first;
+  }
+  return PL_OK;
+}
+
 static pl_status refine_layers(const pl_terrain_detail *law, pl_terrain *t) {
   void *memory;
   const bool refined = law->method == PL_DETAIL_DIAMOND_SQUARE && t->detail.last >= 0;
@@ -145,16 +161,9 @@ pl_status pl_terrain_create(const pl_terrain_frame *frame, pl_terrain **out) {
       frame->roughness != NULL ? *frame->roughness : (pl_raster_stack){.mean = {0.0, 1.0}};
   t->mask = frame->mask != NULL ? *frame->mask : (pl_raster_stack){.mean = {0.0, 1.0}};
   t->patch = frame->patch;
-  t->layer_count = frame->layer_count;
-  for (size_t n = 0; n < t->layer_count; n++) {
-    pl_layer *layer = &t->layers[n];
-    layer->given = frame->layers[n];
-    layer->spacing_m = pl_raster_spacing_m(layer->given.raster, t->radius_m);
-    layer->coarsest = pl_cube_level(PL_TERRAIN_OVERLAP * layer->spacing_m, t->radius_m);
-    if (layer->coarsest < t->detail.first)
-      layer->coarsest = t->detail.first;
-  }
-  pl_status status = pl_terrain_take_textures(t, frame);
+  pl_status status = copy_layers(frame, t);
+  if (status == PL_OK)
+    status = pl_terrain_take_textures(t, frame);
   pl_slope_table_init(t, frame->roughness_baseline_m);
   if (status == PL_OK)
     status = refine_layers(&frame->detail, t);
@@ -172,6 +181,7 @@ pl_status pl_terrain_create(const pl_terrain_frame *frame, pl_terrain **out) {
 void pl_terrain_destroy(pl_terrain *terrain) {
   if (terrain == NULL)
     return;
+  pl_free(terrain->layers);
   pl_free(terrain->known);
   pl_free(terrain->diamond);
   pl_wheel_tracks_destroy(terrain->tracks);

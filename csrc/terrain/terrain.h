@@ -30,7 +30,7 @@
 #include "terrain/raster_stack.h"
 #include "terrain/wheel_tracks.h"
 
-#define PL_TERRAIN_LAYERS 16
+#define PL_TERRAIN_LAYERS 1024
 /* Greatest values of rasters of albedo and of roughness (rad; a little above 60 degrees). */
 #define PL_TERRAIN_ALBEDO_MOST 10.0
 #define PL_TERRAIN_ROUGHNESS_MOST 1.0473

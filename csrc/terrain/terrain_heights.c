@@ -2,15 +2,17 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/memory.h"
 #include "terrain/crater_rays.h"
 #include "terrain/diamond_blocks.h"
 #include "terrain/terrain_parts.h"
 
-enum { STRIP = PL_DETAIL_STRIP };
+enum { STRIP = PL_DETAIL_STRIP, FEW = 8 };
 
 /* A layer at the nodes of a strip. */
 typedef struct layer_strip {
-  bool used, detailed;
+  int layer; /* its place among those of the terrain */
+  bool detailed;
   int levels;                       /* of diamond-square */
   bool here[STRIP], fractal[STRIP]; /* whether the layer counts; whether detail is added to it */
   double u[STRIP], v[STRIP], weight[STRIP];
@@ -23,7 +25,9 @@ typedef struct work {
   pl_detail_strip strip;
   pl_vec3 directions[STRIP];
   bool bare[STRIP]; /* whether something below all rasters is seen */
-  layer_strip layers[PL_TERRAIN_LAYERS];
+  layer_strip few[FEW];
+  layer_strip *layers; /* those that are seen, from the uppermost; `few` or of their own */
+  size_t count, room;
   pl_posts posts;
 } work;
 
@@ -31,8 +35,30 @@ static pl_status begin(work *w, const pl_terrain *terrain, int level) {
   w->terrain = terrain;
   w->level = level < 0 ? 0 : level < PL_CUBE_LEVELS ? level : PL_CUBE_LEVELS - 1;
   w->finest = w->level < terrain->detail.last ? w->level : terrain->detail.last;
+  w->layers = w->few;
+  w->room = FEW;
   pl_posts_init(&w->posts, w->level);
   return terrain->diamond != NULL ? pl_diamond_blocks_ready() : PL_OK;
+}
+
+static void end(work *w) {
+  if (w->layers != w->few)
+    pl_free(w->layers);
+}
+
+/* Makes room for one more layer. */
+static pl_status make_room(work *w) {
+  if (w->count < w->room)
+    return PL_OK;
+  layer_strip *own = w->layers != w->few ? w->layers : NULL;
+  layer_strip *more = pl_realloc(own, 2 * w->room, sizeof *more);
+  if (more == NULL)
+    return pl_fail(PL_E_MEMORY, "out of memory for %zu rasters at a place", 2 * w->room);
+  if (own == NULL)
+    memcpy(more, w->few, sizeof w->few);
+  w->layers = more;
+  w->room *= 2;
+  return PL_OK;
 }
 
 /* Whether and how detail is added to a layer. */
@@ -47,31 +73,48 @@ static void set_detail(const work *w, const pl_layer *layer, layer_strip *at) {
   }
 }
 
+/* Writes where a layer is seen at the strip, and what it leaves of those below; whether anywhere.
+ */
+static bool see(work *w, layer_strip *at) {
+  const pl_layer *layer = &w->terrain->layers[at->layer];
+  const pl_raster *raster = layer->given.raster;
+  bool used = false;
+  for (size_t k = 0; k < w->strip.count; k++) {
+    at->here[k] = w->bare[k] && pl_raster_find(raster, w->directions[k], &at->u[k], &at->v[k]);
+    if (!at->here[k])
+      continue;
+    at->weight[k] = pl_raster_weight(raster, at->u[k], at->v[k], layer->given.border_posts);
+    at->here[k] = at->weight[k] > 0.0;
+    w->bare[k] = at->weight[k] < 1.0;
+    used = used || at->here[k];
+    /* At posts, q - U(q) is 0 by definition, not but for rounding. */
+    at->fractal[k] = at->detailed && at->here[k] &&
+                     !(at->u[k] == floor(at->u[k]) && at->v[k] == floor(at->v[k]));
+  }
+  return used;
+}
+
 /* Finds the layers that are seen: from the uppermost down to the first that covers all others. */
-static void find_layers(work *w) {
-  const size_t count = w->strip.count;
-  for (size_t k = 0; k < count; k++)
+static pl_status find_layers(work *w) {
+  const pl_vec3 first = w->directions[0];
+  double reach = 0.0;
+  for (size_t k = 0; k < w->strip.count; k++) {
     w->bare[k] = true;
+    reach = fmax(reach, pl_vec3_norm(pl_vec3_sub(w->directions[k], first)));
+  }
+  w->count = 0;
   for (size_t n = w->terrain->layer_count; n-- > 0;) {
     const pl_layer *layer = &w->terrain->layers[n];
-    layer_strip *at = &w->layers[n];
-    at->used = false;
+    if (pl_raster_far(layer->given.raster, first, reach))
+      continue;
+    PL_TRY(make_room(w));
+    layer_strip *at = &w->layers[w->count];
+    at->layer = (int)n;
     set_detail(w, layer, at);
-    for (size_t k = 0; k < count; k++) {
-      at->here[k] =
-          w->bare[k] && pl_raster_find(layer->given.raster, w->directions[k], &at->u[k], &at->v[k]);
-      if (!at->here[k])
-        continue;
-      at->weight[k] =
-          pl_raster_weight(layer->given.raster, at->u[k], at->v[k], layer->given.border_posts);
-      at->here[k] = at->weight[k] > 0.0;
-      w->bare[k] = at->weight[k] < 1.0;
-      at->used = at->used || at->here[k];
-      /* At posts, q - U(q) is 0 by definition, not but for rounding. */
-      at->fractal[k] = at->detailed && at->here[k] &&
-                       !(at->u[k] == floor(at->u[k]) && at->v[k] == floor(at->v[k]));
-    }
+    if (see(w, at))
+      w->count++;
   }
+  return PL_OK;
 }
 
 static void cut(const work *w, int coarsest, double *sums_m) {
@@ -91,16 +134,16 @@ static void sum_detail(work *w, double *sums_m) {
     if (w->bare[k])
       coarsest = detail->first;
   }
-  for (size_t n = 0; n < w->terrain->layer_count; n++)
-    if (w->layers[n].used && w->layers[n].detailed && !w->terrain->layers[n].refined &&
-        w->terrain->layers[n].coarsest < coarsest)
-      coarsest = w->terrain->layers[n].coarsest;
+  for (size_t n = 0; n < w->count; n++) {
+    const pl_layer *layer = &w->terrain->layers[w->layers[n].layer];
+    if (w->layers[n].detailed && !layer->refined && layer->coarsest < coarsest)
+      coarsest = layer->coarsest;
+  }
   for (int octave = w->finest; octave >= coarsest; octave--) {
     pl_fractal_detail_add(detail, &w->strip, octave, w->level, &w->posts.cache, sums_m);
-    for (size_t n = 0; n < w->terrain->layer_count; n++)
-      if (w->terrain->layers[n].coarsest == octave)
-        for (size_t k = 0; k < w->strip.count; k++)
-          w->layers[n].sums_m[k] = sums_m[k];
+    for (size_t n = 0; n < w->count; n++)
+      if (w->terrain->layers[w->layers[n].layer].coarsest == octave)
+        memcpy(w->layers[n].sums_m, sums_m, w->strip.count * sizeof *sums_m);
   }
   cut(w, detail->first, sums_m);
 }
@@ -112,9 +155,8 @@ static int pyramid_level(const work *w, const pl_layer *layer) {
 }
 
 /* Sets the layer's sums to what is added to its interpolated posts. */
-static void set_added(work *w, int n) {
-  const pl_layer *layer = &w->terrain->layers[n];
-  layer_strip *at = &w->layers[n];
+static void set_added(work *w, layer_strip *at) {
+  const pl_layer *layer = &w->terrain->layers[at->layer];
   double posts_m[STRIP];
   if (layer->refined) {
     for (size_t k = 0; k < w->strip.count; k++)
@@ -124,7 +166,7 @@ static void set_added(work *w, int n) {
     return;
   }
   cut(w, layer->coarsest, at->sums_m);
-  pl_posts_interpolate(&w->posts, w->terrain, n, w->strip.count, at->u, at->v, at->fractal,
+  pl_posts_interpolate(&w->posts, w->terrain, at->layer, w->strip.count, at->u, at->v, at->fractal,
                        posts_m);
   for (size_t k = 0; k < w->strip.count; k++)
     if (at->fractal[k])
@@ -132,13 +174,12 @@ static void set_added(work *w, int n) {
 }
 
 /* Lays one layer over the heights. */
-static void lay(work *w, int n, double *heights_m) {
-  const pl_layer *layer = &w->terrain->layers[n];
+static void lay(work *w, layer_strip *at, double *heights_m) {
+  const pl_layer *layer = &w->terrain->layers[at->layer];
   const pl_terrain_layer *given = &layer->given;
-  layer_strip *at = &w->layers[n];
   const int pyramid = pyramid_level(w, layer);
   if (at->detailed)
-    set_added(w, n);
+    set_added(w, at);
   for (size_t k = 0; k < w->strip.count; k++) {
     if (!at->here[k])
       continue;
@@ -154,28 +195,29 @@ static void lay(work *w, int n, double *heights_m) {
 }
 
 /* Heights in w->directions. */
-static void evaluate(work *w, double *heights_m) {
+static pl_status evaluate(work *w, double *heights_m) {
   for (size_t k = 0; k < w->strip.count; k++) {
     w->strip.x[k] = w->directions[k].x;
     w->strip.y[k] = w->directions[k].y;
     w->strip.z[k] = w->directions[k].z;
   }
   pl_detail_strip_close(&w->strip);
-  find_layers(w);
+  PL_TRY(find_layers(w));
   sum_detail(w, heights_m);
-  for (size_t n = 0; n < w->terrain->layer_count; n++)
-    if (w->layers[n].used)
-      lay(w, (int)n, heights_m);
+  for (size_t n = w->count; n-- > 0;)
+    lay(w, &w->layers[n], heights_m);
+  return PL_OK;
 }
 
 /* Heights without craters, of any number of directions. */
-static void base_heights(work *w, const pl_vec3 *directions, size_t count, double *heights_m) {
+static pl_status base_heights(work *w, const pl_vec3 *directions, size_t count, double *heights_m) {
   for (size_t done = 0; done < count; done += w->strip.count) {
     w->strip.count = count - done < STRIP ? count - done : STRIP;
     for (size_t k = 0; k < w->strip.count; k++)
       w->directions[k] = directions[done + k];
-    evaluate(w, heights_m + done);
+    PL_TRY(evaluate(w, heights_m + done));
   }
+  return PL_OK;
 }
 
 /* Spacing of the posts of the uppermost raster in a direction, for pl_crater_model. */
@@ -184,7 +226,8 @@ static double posts_m(const void *context, pl_vec3 direction) {
   for (size_t n = terrain->layer_count; n-- > 0;) {
     const pl_layer *layer = &terrain->layers[n];
     double u, v;
-    if (pl_raster_find(layer->given.raster, direction, &u, &v) &&
+    if (!pl_raster_far(layer->given.raster, direction, 0.0) &&
+        pl_raster_find(layer->given.raster, direction, &u, &v) &&
         pl_raster_weight(layer->given.raster, u, v, layer->given.border_posts) >= 0.5)
       return layer->spacing_m;
   }
@@ -252,7 +295,7 @@ double pl_terrain_ray_brightness(const pl_terrain *terrain) {
 static pl_status full_heights(work *w, const pl_vec3 *directions, size_t count, double *heights_m) {
   const pl_terrain *terrain = w->terrain;
   const double cell_m = pl_cube_cell_m(w->level, terrain->radius_m);
-  base_heights(w, directions, count, heights_m);
+  PL_TRY(base_heights(w, directions, count, heights_m));
   pl_terrain_add_textures(terrain, directions, count, cell_m, heights_m);
   if (terrain->tracks != NULL)
     pl_wheel_tracks_add_heights(terrain->tracks, directions, count, cell_m, heights_m);
@@ -266,7 +309,9 @@ pl_status pl_terrain_heights(const pl_terrain *terrain, const pl_vec3 *direction
                              int level, double *heights_m) {
   work w;
   PL_TRY(begin(&w, terrain, level));
-  return full_heights(&w, directions, count, heights_m);
+  const pl_status status = full_heights(&w, directions, count, heights_m);
+  end(&w);
+  return status;
 }
 
 double pl_terrain_height(const pl_terrain *terrain, pl_vec3 direction, int level) {
@@ -280,8 +325,9 @@ double pl_terrain_base_height(const pl_terrain *terrain, pl_vec3 direction, int 
   double height_m;
   if (begin(&w, terrain, level) != PL_OK)
     return (double)NAN;
-  base_heights(&w, &direction, 1, &height_m);
-  return height_m;
+  const pl_status status = base_heights(&w, &direction, 1, &height_m);
+  end(&w);
+  return status == PL_OK ? height_m : (double)NAN;
 }
 
 /* Blocks are evaluated in parts of at most this many nodes on a side; a tile is one of them. */
@@ -314,8 +360,10 @@ pl_status pl_terrain_block(const pl_terrain *terrain, const pl_terrain_nodes *no
                            double *heights_m, pl_vec3 *directions) {
   work w;
   PL_TRY(begin(&w, terrain, nodes->level));
+  pl_status status = PL_OK;
   for (int row = 0; row < nodes->height; row += PART)
-    for (int column = 0; column < nodes->width; column += PART)
-      PL_TRY(part_heights(&w, nodes, column, row, heights_m, directions));
-  return PL_OK;
+    for (int column = 0; column < nodes->width && status == PL_OK; column += PART)
+      status = part_heights(&w, nodes, column, row, heights_m, directions);
+  end(&w);
+  return status;
 }

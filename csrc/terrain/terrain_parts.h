@@ -45,7 +45,7 @@ struct pl_terrain {
   pl_raster_stack albedo, roughness, mask;
   pl_terrain_patch patch;
   size_t layer_count;
-  pl_layer layers[PL_TERRAIN_LAYERS];
+  pl_layer *layers;            /* owned */
   pl_diamond_weights *diamond; /* owned; NULL where none is refined */
   pl_slope_table slopes;
   pl_numbered_crater *known; /* owned; by ascending z of the directions */
@@ -75,7 +75,7 @@ typedef struct pl_posts {
   /* Posts that are in the table, but have no value yet, all of one layer. */
   pl_detail_strip strip;
   int pending[PL_DETAIL_STRIP];
-  int8_t layer[PL_POSTS]; /* -1: no post */
+  int16_t layer[PL_POSTS]; /* -1: no post */
   int column[PL_POSTS], row[PL_POSTS];
   double q_m[PL_POSTS];
 } pl_posts;

@@ -38,7 +38,7 @@ static int find(pl_posts *posts, const pl_terrain *terrain, int layer, int colum
   for (; posts->layer[slot] >= 0; slot = (slot + 1) % PL_POSTS)
     if (posts->column[slot] == column && posts->row[slot] == row && posts->layer[slot] == layer)
       return (int)slot;
-  posts->layer[slot] = (int8_t)layer;
+  posts->layer[slot] = (int16_t)layer;
   posts->column[slot] = column;
   posts->row[slot] = row;
   posts->count++;

@@ -437,6 +437,46 @@ static void assert_refused(const pl_raster_frame *frame, pl_status status, const
   assert_non_null(strstr(pl_error_text(), text));
 }
 
+/* What is called far of a raster is not on it: any projection, over poles and the date line. */
+static void test_far(void **state) {
+  (void)state;
+  static float samples[ACROSS * DOWN];
+  test_random random = {.seed = 77};
+  int far = 0, near = 0;
+  for (int k = 0; k < 400; k++) {
+    pl_raster_frame frame = patch(samples, (pl_projection_kind)(k % PL_PROJECTION_COUNT));
+    const double size = exp(random_range(&random, log(1e-4), log(0.5)));
+    frame.projection.lat0_rad = random_range(&random, -90.0, 90.0) * DEGREE;
+    frame.dx = frame.projection.kind == PL_PROJECTION_CYLINDRICAL ? size / ACROSS
+                                                                  : size * RADIUS_M / ACROSS;
+    frame.dy = -frame.dx;
+    frame.x0 = -0.5 * ACROSS * frame.dx;
+    frame.y0 = -0.5 * DOWN * frame.dy;
+    if (frame.projection.kind == PL_PROJECTION_CYLINDRICAL) {
+      frame.x0 += random_range(&random, -3.0, 3.0);
+      frame.y0 = random_range(&random, -1.5 - DOWN * frame.dy, 1.5);
+    }
+    pl_raster *raster;
+    if (pl_raster_create(&frame, &raster) != PL_OK)
+      continue;
+    for (int i = 0; i < 100; i++) {
+      double u, v;
+      const pl_vec3 on = pl_raster_direction(raster, random_range(&random, -0.5, ACROSS - 0.5),
+                                             random_range(&random, -0.5, DOWN - 0.5));
+      const pl_vec3 any =
+          at(random_range(&random, -180.0, 180.0), random_range(&random, -90.0, 90.0));
+      const double distance = pl_vec3_norm(pl_vec3_sub(on, any));
+      near += !pl_raster_far(raster, on, 0.0);
+      assert_false(pl_raster_far(raster, on, 0.0));
+      assert_false(pl_raster_far(raster, any, distance));
+      far += pl_raster_far(raster, any, 0.0);
+      assert_false(pl_raster_far(raster, any, 0.0) && pl_raster_find(raster, any, &u, &v));
+    }
+    pl_raster_destroy(raster);
+  }
+  assert_true(near > 20000 && far > 15000);
+}
+
 static void test_errors(void **state) {
   (void)state;
   static int16_t cells[WIDTH * HEIGHT];
@@ -512,6 +552,7 @@ int main(void) {
       cmocka_unit_test(test_bounds),
       cmocka_unit_test(test_thin),
       cmocka_unit_test(test_spacing),
+      cmocka_unit_test(test_far),
       cmocka_unit_test(test_errors),
       cmocka_unit_test(test_out_of_memory),
   };

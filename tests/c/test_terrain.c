@@ -318,6 +318,63 @@ static void test_craters(void **state) {
   teardown(&g);
 }
 
+/* Of many patches, each over half of the one before it, heights in a direction are those of the
+ * few that reach there, to the bit; also where more fade into each other than at most places. */
+static void test_many_patches(void **state) {
+  (void)state;
+  enum { PATCHES = 200, TRIES = 300 };
+  static ground g;
+  static pl_terrain_layer layers[PATCHES + 1];
+  test_random random = {.seed = 12};
+  setup(&g, 3);
+  pl_raster_frame frame = *pl_raster_frame_of(g.patch);
+  layers[0] = (pl_terrain_layer){g.body, PL_INTERPOLATION_CUBIC, 0.0, 0.0};
+  for (int n = 0; n < PATCHES; n++) {
+    pl_raster *raster;
+    const double side_m = SIDE * frame.dx;
+    frame.x0 = -390.0 + (n < 20 ? n : 0.5 * n * side_m / 20.0);
+    frame.y0 = 390.0 + 5.0 * (n < 20 ? n : n % 7);
+    frame.offset = n;
+    assert_int_equal(pl_raster_create(&frame, &raster), PL_OK);
+    layers[n + 1] = (pl_terrain_layer){raster, PL_INTERPOLATION_CUBIC, 20.0, 0.0};
+  }
+  pl_terrain_frame all = {.radii_m = {RADIUS_M, RADIUS_M, RADIUS_M},
+                          .layers = layers,
+                          .layer_count = PATCHES + 1,
+                          .detail = pl_terrain_detail_default(RADIUS_M)};
+  pl_terrain *terrain;
+  assert_int_equal(pl_terrain_create(&all, &terrain), PL_OK);
+  int reaching = 0, crowded = 0;
+  for (int k = 0; k < TRIES; k++) {
+    static pl_terrain_layer few[PATCHES + 1];
+    double u, v;
+    const pl_vec3 d = k < TRIES / 2
+                          ? pl_raster_direction(g.patch, random_range(&random, -5.0, 120.0),
+                                                random_range(&random, -5.0, SIDE + 5.0))
+                          : pl_raster_direction(g.patch, random_range(&random, 0.0, 2.0), SIDE / 2);
+    size_t count = 0;
+    for (int n = 0; n <= PATCHES; n++)
+      if (pl_raster_find(layers[n].raster, d, &u, &v)) {
+        assert_false(pl_raster_far(layers[n].raster, d, 0.0));
+        few[count++] = layers[n];
+      }
+    reaching += count > 1;
+    crowded += count > 16;
+    pl_terrain_frame some = all;
+    pl_terrain *alone;
+    some.layers = few;
+    some.layer_count = count;
+    assert_int_equal(pl_terrain_create(&some, &alone), PL_OK);
+    assert_true(pl_terrain_height(terrain, d, 24) == pl_terrain_height(alone, d, 24));
+    pl_terrain_destroy(alone);
+  }
+  assert_true(reaching > TRIES / 2 && crowded > TRIES / 3);
+  pl_terrain_destroy(terrain);
+  for (int n = 0; n < PATCHES; n++)
+    pl_raster_destroy((pl_raster *)layers[n + 1].raster);
+  teardown(&g);
+}
+
 static void test_refusals(void **state) {
   (void)state;
   static ground g;
@@ -359,6 +416,7 @@ int main(void) {
       cmocka_unit_test(test_bounds),
       cmocka_unit_test(test_levels),
       cmocka_unit_test(test_craters),
+      cmocka_unit_test(test_many_patches),
       cmocka_unit_test(test_refusals),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -30,8 +30,10 @@ def ground(
         "cells_per_pixel": cells,
         "finest_cell_m": 0.001,
     }
-    own |= {"roughness_baseline_m": baseline_m} | (terrain or {})
-    moon = {"kind": "moon", "reflectance": "hapke", "albedo": 0.33, "terrain": own}
+    moon = {"kind": "moon", "reflectance": "hapke", "albedo": 0.33, "terrain": own} | (body or {})
+    if moon["reflectance"] == "hapke":
+        own["roughness_baseline_m"] = baseline_m
+    own |= terrain or {}
     off = ["sub_cell_normals"] if not normals else ["terrain", "sub_cell_normals"] if smooth else []
     place = {"lon_deg": lon_deg, "lat_deg": SITE["lat_deg"]}
     tree = {
@@ -39,7 +41,7 @@ def ground(
         "time": {"epoch": "2026-03-03T06:00:00Z"},
         "root": "moon",
         "sun": {"at": SITE | {"azimuth_deg": 100.0, "elevation_deg": sun_deg}},
-        "bodies": {"moon": moon | (body or {})},
+        "bodies": {"moon": moon},
         "camera": {
             "width": 48,
             "height": 48,

@@ -17,6 +17,7 @@ from perilune.bodies.destep import destepped
 from perilune.bodies.elevation_files import ElevationFile, read
 from perilune.bodies.gaps import filled, missing_in, share
 from perilune.bodies.places import Place
+from perilune.bodies.raster_doubts import check_depth, of_another_body
 from perilune.config.areas import AreaRaster
 from perilune.config.elevation import Elevation, SurfaceRaster
 from perilune.config.types import Latitudes
@@ -90,6 +91,7 @@ def read_elevation(
     offset_m = first_of(given.offset_m, file.offset_m, 0.0)
     samples, mean = samples_of(values)
     offset_m += scale_m * mean
+    remarks += of_another_body(file_radius_m(given, place), datum_m, radii_m)
     if datum_m is not None and max(radii_m) - min(radii_m) <= 1e-12 * max(radii_m):
         offset_m, datum_m = offset_m + (datum_m - radii_m[0]), None  # over the body's own sphere
     found = ElevationRaster(
@@ -97,10 +99,16 @@ def read_elevation(
         datum_m or 0.0, missing, remarks,
     )  # fmt: skip
     try:
-        _ = found.raster  # which checks the place
+        low_m, _ = found.raster.bounds()  # of which the place is checked, too
     except ValueError as error:
         raise ValueError(f"projection: {path}: {error}") from None
+    check_depth(low_m, found.datum_m or min(radii_m), path)
     return found
+
+
+def file_radius_m(given: Elevation | SurfaceRaster, place: Place) -> float:
+    """Radius of the sphere that a file says its map is of; 0: it says none."""
+    return place.radius_m if given.projection is None else 0.0
 
 
 def first_of(*values: float | None) -> float:

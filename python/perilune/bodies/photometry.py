@@ -43,15 +43,23 @@ def _unread(given: Photometry, known: Collection[str], law: str) -> Iterator[tup
             yield key, "does nothing without b_c0, whose default is 0"
 
 
+def _roughness_of_ground(where: str, body: Body) -> Iterator[tuple[str, str]]:
+    ground = body.terrain
+    laws = [row["name"] for row in _core.REFLECTANCES if _ROUGH in reads(row["name"])]
+    if ground is None or body.reflectance in laws:
+        return
+    text = f"only for reflectance {', '.join(laws)}, not {body.reflectance}"
+    if ground.roughness:
+        yield f"{where}.roughness", text
+    if "roughness_baseline_m" in ground.model_fields_set:
+        yield f"{where}.roughness_baseline_m", text
+
+
 def check(config: Config) -> Iterator[tuple[str, str]]:
     """Key and message for each parameter that a body's model does not use."""
     for name, body in config.bodies.items():
         given = body.photometry
-        if body.terrain is not None and body.terrain.roughness:
-            laws = [row["name"] for row in _core.REFLECTANCES if _ROUGH in reads(row["name"])]
-            if body.reflectance not in laws:
-                key = f"bodies.{name}.terrain.roughness"
-                yield key, f"only for reflectance {', '.join(laws)}, not {body.reflectance}"
+        yield from _roughness_of_ground(f"bodies.{name}.terrain", body)
         if given is None or body.reflectance not in _core.NODES:
             continue
         known = reads(body.reflectance)

@@ -24,6 +24,7 @@ class Place:
     lon0_rad: float = 0.0
     lat0_rad: float = 0.0
     radius_m: float = 0.0
+    """Of the sphere of the map; of cylindrical maps only what their file says, if anything."""
     map_scale: float = 1.0
     axis_ratio: float = 1.0
 
@@ -71,7 +72,8 @@ class Reference:
         ratio = self.polar_m / self.equatorial_m if self.polar_m > 0.0 else 1.0
         if self.geometry == "geographic":
             x0, y0, dx, dy = (math.radians(value) for value in (x0, y0, dx, dy))
-            return Place("cylindrical", x0, y0, dx, dy, axis_ratio=ratio)
+            radius_m = self.equatorial_m
+            return Place("cylindrical", x0, y0, dx, dy, radius_m=radius_m, axis_ratio=ratio)
         if self.equatorial_m <= 0.0:
             raise ValueError("a projection in metres without a radius")
         x0, y0 = x0 - self.false_m[0], y0 - self.false_m[1]
@@ -80,7 +82,10 @@ class Reference:
             down = 1.0 / self.equatorial_m
             across = down / math.cos(math.radians(self.true_lat_deg or 0.0))
             x0, y0 = lon0 + across * x0, lat0 + down * y0
-            return Place("cylindrical", x0, y0, across * dx, down * dy, axis_ratio=ratio)
+            return Place(
+                "cylindrical", x0, y0, across * dx, down * dy,
+                radius_m=self.equatorial_m, axis_ratio=ratio,
+            )  # fmt: skip
         if not self.round:
             what = f"a {self.geometry} map of an ellipsoid ({self.equatorial_m:g}"
             raise ValueError(f"{what} x {self.polar_m:g} m); supported are those of spheres")

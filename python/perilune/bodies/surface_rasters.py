@@ -13,12 +13,14 @@ from numpy.typing import NDArray
 from perilune.bodies.elevation import (
     ElevationRaster,
     complete,
+    file_radius_m,
     first_of,
     missing_of,
     place_of,
     samples_of,
 )
 from perilune.bodies.elevation_files import ElevationFile, read
+from perilune.bodies.raster_doubts import of_another_body
 from perilune.config.elevation import SurfaceRaster
 from perilune.config.types import Latitudes
 
@@ -80,16 +82,17 @@ def read_surface(
     values = file.values
     if place.dy > 0.0:  # from south to north
         values, place = values[::-1], place.flipped(values.shape[0])
+    doubts = of_another_body(file_radius_m(given, place), None, radii_m)
     if quantity is MASK:
         names = _names(values, given, file, path)
-        return ElevationRaster(names, place, 1.0, 0.0, str(path), border_posts=0.0)
+        return ElevationRaster(names, place, 1.0, 0.0, str(path), border_posts=0.0, remarks=doubts)
     values, missing, remarks = complete(values, given, file, path, place)
     scale = first_of(given.scale, file.scale_m, 1.0)
     samples, mean = samples_of(values)
     offset = first_of(given.offset, file.offset_m, 0.0) + scale * mean
     found = ElevationRaster(
         samples, place, scale * quantity.unit, offset * quantity.unit, str(path),
-        border_posts=given.border_posts, missing=missing, remarks=remarks,
+        border_posts=given.border_posts, missing=missing, remarks=remarks + doubts,
     )  # fmt: skip
     try:
         low, high = (number / quantity.unit for number in found.raster.bounds())

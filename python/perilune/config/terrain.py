@@ -100,19 +100,19 @@ class Terrain(Strict):
     It is built as a mesh, as fine as the pixels of the frame ask, from the limb to the feet of the
     camera. Heights at a place do not depend on the camera. See docs/terrain.md."""
 
-    elevation: Annotated[tuple[Elevation, ...], Field(max_length=16)] = ()
+    elevation: Annotated[tuple[Elevation, ...], Field(max_length=256)] = ()
     """Elevation models, from coarse to fine: each lies over those before it."""
     detail: Detail | None = Detail.of_defaults()
     """Fractal detail below the posts, or everywhere without elevation. null: none."""
-    albedo: Annotated[tuple[SurfaceRaster, ...], Field(max_length=8)] = ()
+    albedo: Annotated[tuple[SurfaceRaster, ...], Field(max_length=256)] = ()
     """Rasters of albedo, from coarse to fine: each lies over those before it, the first over the
     body's colour map or photometric maps. Their numbers, 0 to 10, mean what those maps' do: they
     are multiplied by the body's `albedo`, and the product is at most 1."""
-    roughness: Annotated[tuple[SurfaceRaster, ...], Field(max_length=8)] = ()
+    roughness: Annotated[tuple[SurfaceRaster, ...], Field(max_length=256)] = ()
     """Rasters of Hapke's macroscopic roughness, 0 to 60 degrees, from coarse to fine: each lies
     over those before it, the first over the body's photometry.roughness_deg; only for reflectance
     with a roughness."""
-    mask: Annotated[tuple[SurfaceRaster, ...], Field(max_length=8)] = ()
+    mask: Annotated[tuple[SurfaceRaster, ...], Field(max_length=256)] = ()
     """Rasters of whole numbers, 0 to 65535, as ids of mapped craters or units: each lies over those
     before it, and gaps are 0. The channel `ground_mask` has the
     number nearest to the point that is seen."""

@@ -15,6 +15,7 @@ from perilune.bodies import terrain as terrains
 from perilune.bodies.craters import read_catalogue
 from perilune.bodies.elevation import ElevationRaster, read_elevation
 from perilune.bodies.ground_textures import read_texture
+from perilune.bodies.raster_doubts import hidden
 from perilune.bodies.rocks import RockModel, read_rock_model
 from perilune.bodies.shapes import BodyShape
 from perilune.bodies.surface_rasters import ALBEDO, MASK, ROUGHNESS, Quantity, read_surface
@@ -198,6 +199,14 @@ class Terrains:
                 )
             except ValueError as error:
                 raise ConfigError(f"{document.source}:\n  {where}: {error}") from error
+            for word, rows in (
+                ("elevation", rasters),
+                ("albedo", albedo),
+                ("roughness", roughness),
+                ("mask", mask),
+            ):
+                for k, text in hidden(rows):
+                    teller.tell_of_key(f"bodies.{name}.terrain.{word}[{k}]", text)
             for text in terrains.remarks_of(given, radii, rasters):
                 teller.tell_of_key(f"bodies.{name}.terrain.detail.from_elevation", text)
             self._terrains[key] = core, terrains.ground_of(core, radii, body.is_geodetic)
