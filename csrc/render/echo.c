@@ -56,24 +56,29 @@ static float transmitted(const pl_surface *s, float mirrors, int band) {
   return s->lobes.transmission * (1.0f - s->metallic) * (1.0f - mirrors) * band_of(s->color, band);
 }
 
+/* In double: on a way of its length a rounded direction is off by many roundings of the range. */
+static pl_vec3 mirror_image(pl_vec3 ahead, pl_vec3f n) {
+  const pl_vec3 normal = pl_vec3_unit(pl_vec3f_to_double(n));
+  return pl_vec3_sub(ahead, pl_vec3_scale(normal, 2.0 * pl_vec3_dot(ahead, normal)));
+}
+
 bool pl_echo_continue(const pl_snapshot *shot, const pl_echo_ray *ray, int band,
                       const pl_vertex *vertex, pl_echo_ray *next, pl_ray *query) {
   const pl_surface *s = &vertex->surface;
   if (!is_smooth(s))
     return false;
-  const pl_vec3f back = back_of(s, ray), ahead = pl_vec3_to_float(ray->beam.direction);
+  const pl_vec3f back = back_of(s, ray);
+  const pl_vec3 ahead = ray->beam.direction;
   const float mirrors = mirrored(s, back, band), passes = transmitted(s, mirrors, band);
   const bool through = passes > mirrors;
   const float part = ray->passed * (through ? passes : mirrors);
   if (!(part * part > LOST))
     return false;
-  const pl_vec3f turned =
-      pl_vec3f_madd(ahead, -2.0f * pl_vec3f_dot(ahead, s->n), s->n); /* mirror image */
-  if (!through && !(pl_vec3f_dot(turned, s->ng) > 0.0f))
+  const pl_vec3 onward = through ? ahead : mirror_image(ahead, s->n);
+  if (!through && !(pl_vec3_dot(onward, pl_vec3f_to_double(s->ng)) > 0.0))
     return false; /* the interpolated normal sends it into the surface */
-  *query = pl_vertex_ray(vertex, shot, through ? ahead : turned, INFINITY);
-  if (through)
-    query->direction = ray->beam.direction; /* not rounded */
+  *query = pl_vertex_ray(vertex, shot, pl_vec3_to_float(onward), INFINITY);
+  query->direction = onward; /* not rounded */
   *next = *ray;
   next->beam.origin = query->origin;
   next->beam.direction = query->direction;

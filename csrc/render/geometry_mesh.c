@@ -27,7 +27,9 @@ static void locate_mesh(const pl_shot_object *object, const pl_beam *beam, const
 }
 
 /* Intersects the plane of the hit triangle in double precision, with barycentric weights from
- * areas. A sliver whose plane is undefined or seen edge-on keeps the tracer's result. */
+ * areas. A sliver whose plane is undefined or seen edge-on keeps the tracer's result: the place on
+ * the plane is then far from it, and beside the triangle. That of a beam that grazes a large
+ * triangle may be far, but is on it. */
 static void refine_mesh(const pl_shot_object *object, const pl_beam *beam, const pl_hit *hit,
                         pl_vertex *out) {
   const uint32_t *corner = object->object->model->indices + 3 * (size_t)hit->triangle;
@@ -45,16 +47,18 @@ static void refine_mesh(const pl_shot_object *object, const pl_beam *beam, const
   if (!(fabs(facing) > 1e-9 * sqrt(area2)))
     return;
   const double t = -pl_vec3_dot(normal, from) / facing;
-  if (!(fabs(t - out->t) <= 1e-3 * object->radius_m))
-    return;
   const pl_vec3 p = pl_vec3_madd(from, t, beam->direction);
+  const double u = pl_vec3_dot(pl_vec3_cross(p, e2), normal) / area2;
+  const double v = pl_vec3_dot(pl_vec3_cross(e1, p), normal) / area2;
+  const bool inside = t > 0.0 && u >= 0.0 && v >= 0.0 && u + v <= 1.0;
+  if (!(inside || fabs(t - out->t) <= 1e-3 * object->radius_m))
+    return;
   out->t = t;
   out->position = pl_vec3_madd(beam->origin, t, beam->direction);
   out->ng = pl_vec3_to_float(pl_vec3_unit(normal));
   if (piece != NULL)
     out->ng = pl_vec3f_scale(out->ng, piece->side);
-  set_weights(out, pl_vec3_dot(pl_vec3_cross(p, e2), normal) / area2,
-              pl_vec3_dot(pl_vec3_cross(e1, p), normal) / area2);
+  set_weights(out, u, v);
 }
 
 void pl_mesh_locate(const pl_snapshot *shot, const pl_beam *beam, const pl_hit *hit, bool exact,
