@@ -12,8 +12,9 @@ if TYPE_CHECKING:
     from perilune.camera.poses import look_at
     from perilune.dataset import Dataset, Stream, collate
     from perilune.drivers import Driver
+    from perilune.opening import open  # noqa: A004 (perilune.open is the interface)
     from perilune.sample import Sample
-    from perilune.simulation import Simulation, open  # noqa: A004 (perilune.open is the interface)
+    from perilune.simulation import Simulation
     from perilune.writers import write_bop
 
 __all__ = [
@@ -37,7 +38,7 @@ _HOMES = {
     "Stream": "perilune.dataset",
     "collate": "perilune.dataset",
     "look_at": "perilune.camera.poses",
-    "open": "perilune.simulation",
+    "open": "perilune.opening",
     "write_bop": "perilune.writers",
 }
 """Name -> the module that defines it."""

@@ -7,17 +7,20 @@ import os
 import re
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from perilune.base.arguments import whole
 from perilune.base.processors import default_threads
 from perilune.base.workers import in_torch_worker, torch_worker
+from perilune.opening import ConfigSource
+from perilune.opening import open as open_simulation
 from perilune.sample import Sample
-from perilune.simulation import ConfigSource, Simulation
-from perilune.simulation import open as open_simulation
 from perilune.training.batches import collate, tell_torch
 from perilune.training.ledger import Ledger
 from perilune.training.schedule import Change, Schedule
+
+if TYPE_CHECKING:
+    from perilune.simulation import Simulation
 
 __all__ = ["Dataset", "Stream", "collate"]
 
@@ -27,6 +30,8 @@ _STATE_VERSION = 2
 
 
 def _simulation(config: ConfigSource | Simulation, seed: int | None) -> Simulation:
+    from perilune.simulation import Simulation  # here, so that the names of this module load fast
+
     if not isinstance(config, Simulation):
         return open_simulation(config, seed)
     if seed is not None and seed != config.config.seed:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from perilune import _core
 from perilune.camera.label import CameraLabel
 from perilune.frame.shown import Plan, object_rows
-from perilune.sky.skies import STAR
+from perilune.sky.star import STAR
 
 __all__ = ["STAR", "Array", "CameraLabel", "Sample"]
 

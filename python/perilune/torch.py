@@ -24,8 +24,9 @@ import torch
 from torch.utils import data
 
 from perilune import dataset as plain
+from perilune.opening import ConfigSource
 from perilune.sample import Sample
-from perilune.simulation import ConfigSource, Simulation
+from perilune.simulation import Simulation
 from perilune.training.tensors import Item, stacked, tensors
 
 __all__ = ["Dataset", "IterableDataset", "StreamLoader", "stacked", "tensors"]

@@ -43,6 +43,13 @@ def test_what_users_import_loads_no_extra():
     assert not {name for name in found if name.startswith(unused)}
 
 
+def test_names_of_a_training_loop_load_no_schema():
+    """What a configuration needs is loaded by the first call of `perilune.open`."""
+    found = loaded("from perilune import open, Dataset, Stream, collate, Sample")
+    assert not found & {"pydantic", "yaml", "erfa", *HEAVY}
+    assert not {name for name in found if name.startswith(("perilune.config", "perilune.orbits"))}
+
+
 def sections() -> list[type[Strict]]:
     """Every section of the configuration."""
     found: list[type[Strict]] = []
@@ -56,7 +63,7 @@ def sections() -> list[type[Strict]]:
 
 def test_what_users_import_builds_no_validator_of_a_section():
     code = """
-import perilune; perilune.open
+import perilune; perilune.Simulation
 from perilune.config.types import Strict
 waiting, built = [Strict], []
 while waiting:

@@ -116,12 +116,23 @@ def wavelengths_um(camera: Camera, sun: Sun) -> tuple[float, float, float]:
 
 def check(config: Config) -> Iterator[tuple[str, str]]:
     """Key and message for each band that does not work with the Sun's spectrum."""
-    sun = sun_curve(config.sun.spectrum)
+    spectrum = config.sun.spectrum
     for name, camera in config.cameras.items():
         key = config.place(name, "bands")
-        for i, curve in enumerate(curves(camera.bands)):
-            where = key if isinstance(camera.bands, str) else f"{key}[{i}]"
-            try:
-                spectra.gather(sun, curve)
-            except ValueError as error:
-                yield where, str(error)
+        for i, fault in _faults(camera.bands, spectrum, stamps(camera.bands, spectrum)):
+            yield key if isinstance(camera.bands, str) else f"{key}[{i}]", fault
+
+
+@lru_cache(maxsize=64)
+def _faults(
+    bands: Bands, spectrum: Spectrum | None, stamps: tuple[files.Stamp, ...]
+) -> tuple[tuple[int, str], ...]:
+    """Index and message for each band that does not work with the Sun's spectrum. The limits of all
+    drivers ask for the same."""
+    sun, found = sun_curve(spectrum), []
+    for i, curve in enumerate(curves(bands)):
+        try:
+            spectra.gather(sun, curve)
+        except ValueError as error:
+            found.append((i, str(error)))
+    return tuple(found)

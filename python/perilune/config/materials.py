@@ -28,7 +28,10 @@ _PREFIXES = ("OAISYS_", "driver:")
 
 def driver_name(node: str) -> str | None:
     """NAME of a node called `OAISYS_NAME` or `driver:NAME`."""
-    return next((node.removeprefix(p) for p in _PREFIXES if node.startswith(p)), None)
+    for prefix in _PREFIXES:
+        if node.startswith(prefix):
+            return node.removeprefix(prefix)
+    return None
 
 
 def _kept(value: Any, check: ValidatorFunctionWrapHandler) -> Any:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from functools import cache
 from typing import Annotated, Any, Literal, Self, TypeVar
 
 from pydantic import (
@@ -137,6 +138,12 @@ def hook_or_function(schema: dict[str, Any]) -> None:
 Latitudes = Literal["geodetic", "geocentric"]
 
 
+@cache
+def _keys_of(kind: type[BaseModel]) -> dict[str, None]:
+    """The keys of a section, in its order."""
+    return {field.alias or name: None for name, field in kind.model_fields.items()}
+
+
 class Strict(BaseModel):
     """Base of every section: values are frozen; unknown keys are refused with the nearest known
     name."""
@@ -156,7 +163,7 @@ class Strict(BaseModel):
     def _known_keys(cls, data: Any) -> Any:
         if not isinstance(data, Mapping):
             return data
-        allowed = [field.alias or name for name, field in cls.model_fields.items()]
+        allowed = _keys_of(cls)
         for key in data:
             if key not in allowed:
                 fail(str(key), f"unknown key{nearest(key, allowed)}")

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import warnings
+from functools import lru_cache
 
 import erfa
 
 
+@lru_cache(maxsize=64)
 def complaint(fields: tuple[int, int, int, int, int, float]) -> str:
     """Fault of year, month, day, hour, minute, second; empty if that time exists.
 

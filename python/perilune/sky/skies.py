@@ -23,13 +23,11 @@ from perilune.config.sun import Sun
 from perilune.orbits.almanac import almanac
 from perilune.orbits.motion import Kept
 from perilune.orbits.setting import ephemeris_name
+from perilune.sky.star import STAR
 from perilune.sky.star_files import SUN_K, StarTable, read_stars
 from perilune.world import World
 
 F64 = NDArray[np.float64]
-
-STAR = np.dtype([("number", np.int64), ("u", np.float64), ("v", np.float64), ("magnitude", "f4")])
-"""A row of `Sample.stars`."""
 FilePath = Callable[[str, str], Path]
 
 V_ZERO_W_M2_UM = 3.631e-8

@@ -6,8 +6,6 @@ from bisect import bisect_right
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
-from perilune.document.overrides import joined
-
 if TYPE_CHECKING:
     from perilune.simulation import Simulation
 
@@ -38,6 +36,8 @@ class Schedule:
 
     def _together(self, count: int) -> dict[str, Any]:
         """The first changes, merged."""
+        from perilune.document.overrides import joined  # here: the names of perilune load fast
+
         total: dict[str, Any] = {}
         for _, change in self.changes[:count]:
             total = joined(total, change)
