@@ -27,6 +27,9 @@ _SAMPLES = (np.uint8, np.int16, np.uint16, np.float32)
 """Types of _core.Raster."""
 _MARK = -32768.0
 """Lowest of int16, which marks missing heights in files of floats, too."""
+_UNITS_M = dict.fromkeys(("", "m", "metre", "metres", "meter", "meters"), 1.0) | dict.fromkeys(
+    ("km", "kilometre", "kilometres", "kilometer", "kilometers"), 1e3
+)
 _BLOCK = 1 << 22
 """Numbers that are looked at together."""
 
@@ -87,8 +90,9 @@ def read_elevation(
         if file.values.dtype.kind == "f":
             raise ValueError(f"destep: {path}: holds floats, which have no steps")
         values = destepped(values, place.goes_round(values.shape[1]))
-    scale_m = first_of(given.scale_m, file.scale_m, 1.0)
-    offset_m = first_of(given.offset_m, file.offset_m, 0.0)
+    unit_m = _unit_m(given, file, path)
+    scale_m = first_of(given.scale_m, unit_m * first_of(file.scale_m, 1.0))
+    offset_m = first_of(given.offset_m, unit_m * first_of(file.offset_m, 0.0))
     samples, mean = samples_of(values)
     offset_m += scale_m * mean
     remarks += of_another_body(file_radius_m(given, place), datum_m, radii_m)
@@ -109,6 +113,15 @@ def read_elevation(
 def file_radius_m(given: Elevation | SurfaceRaster, place: Place) -> float:
     """Radius of the sphere that a file says its map is of; 0: it says none."""
     return place.radius_m if given.projection is None else 0.0
+
+
+def _unit_m(given: Elevation, file: ElevationFile, path: Path) -> float:
+    """Metres of the unit that a file states; ValueError for one that is not known, unless the
+    configuration has numbers of its own."""
+    unit = file.unit.strip().lower()
+    if given.scale_m is None and unit not in _UNITS_M:
+        raise ValueError(f"scale_m: {path}: is in '{file.unit}'; give the metres of its numbers")
+    return _UNITS_M.get(unit, 1.0)
 
 
 def first_of(*values: float | None) -> float:

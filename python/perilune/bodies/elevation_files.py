@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -35,20 +36,23 @@ class ElevationFile:
     offset_m: float | None = None
     datum_m: float | None = None
     no_data: float | None = None
+    unit: str = ""
+    """Unit of its numbers, if it is not in scale_m."""
 
 
 def read(path: Path, raw: RawSamples | None, band: int | None = None) -> ElevationFile:
-    """ValueError that names a file that cannot be read. band: of a TIFF that has several, from
-    1 on."""
+    """ValueError that names a file that cannot be read. band: of a file that has several, from
+    1 on; not of images and arrays."""
     if not path.is_file():
         raise ValueError(f"file: {path}: no such file")
     reader = _reader(path)
     if raw is not None and reader is not _image:
         raise ValueError(f"raw: {path}: only for images (.img) without a label")
-    if band is not None and reader is not _tiff:
-        raise ValueError(f"band: {path}: only for TIFF files of several bands")
+    banded = _tiff if reader is _tiff else _rasterio
+    if band is not None and reader is not banded:
+        raise ValueError(f"band: {path}: only for TIFF and what rasterio reads, of several bands")
     try:
-        return reader(path, raw) if band is None else _tiff(path, raw, band)
+        return reader(path, raw) if band is None else banded(path, raw, band)
     except ModuleNotFoundError as error:
         raise ValueError(f"file: {path}: {error}") from None
     except ValueError as error:
@@ -163,8 +167,9 @@ def _tiff(path: Path, _: RawSamples | None, band: int | None = None) -> Elevatio
     if values.ndim != 2 or values.dtype.kind not in "uif":
         what = f"{values.dtype} of shape {values.shape}"
         raise ValueError(f"{path}: holds {what}, not one band of numbers")
-    scale, offset = (_gdal_number(text, role, (band or 1) - 1) for role in ("scale", "offset"))
-    return ElevationFile(values, place, misplaced, scale, offset, None, no_data)
+    says = [_gdal_item(text, role, (band or 1) - 1) for role in ("scale", "offset", "unittype")]
+    scale, offset = (None if word is None else float(word) for word in says[:2])
+    return ElevationFile(values, place, misplaced, scale, offset, None, no_data, says[2] or "")
 
 
 def _band_of(values: NDArray[Any], planes: bool, band: int, path: Path) -> NDArray[Any]:
@@ -178,31 +183,46 @@ def _band_of(values: NDArray[Any], planes: bool, band: int, path: Path) -> NDArr
     return np.ascontiguousarray(whole[:, :, band - 1])
 
 
-def _gdal_number(metadata: str, role: str, sample: int) -> float | None:
+def _gdal_item(metadata: str, role: str, sample: int) -> str | None:
     """What GDAL says of a band, from 0 on; without a number it speaks of the first."""
     for attributes, text in re.findall(r"<Item\b([^>]*)>([^<]*)</Item>", metadata):
         numbered = re.search(r'\bsample="(\d+)"', attributes)
         if f'role="{role}"' in attributes and int(numbered[1] if numbered else 0) == sample:
-            return float(text)
+            return str(text).strip()
     return None
 
 
-def _rasterio(path: Path, _: RawSamples | None) -> ElevationFile:
+def _rasterio(path: Path, _: RawSamples | None, band: int | None = None) -> ElevationFile:
     try:
         import rasterio
     except ModuleNotFoundError:
         text = "files of this kind need the package rasterio: pip install 'perilune[geo]'"
         raise ModuleNotFoundError(text, name="rasterio") from None
     try:
-        with rasterio.open(path) as file:
-            values = file.read(1)
+        with warnings.catch_warnings(), rasterio.open(path) as file:
+            warnings.simplefilter("ignore")  # of no georeference: that is told by the place
+            k, count = (band or 1) - 1, int(file.count)
+            values = file.read(k + 1, masked=True) if k < count else None
             no_data = None if file.nodata is None else float(file.nodata)
-            scale, offset = float(file.scales[0]), float(file.offsets[0])
+            scale, offset, unit = file.scales[:], file.offsets[:], file.units[:]
             words = file.crs.to_dict() if file.crs else None
             transform = tuple(file.transform)
     except Exception as error:  # whatever GDAL makes of it
         raise ValueError(f"{path}: not a raster that rasterio reads: {error}") from None
-    if values.dtype.kind not in "uif":
-        raise ValueError(f"{path}: holds {values.dtype}, not heights")
+    if values is None:
+        raise ValueError(f"band: {path}: {band}; the file has {count}")
+    if values.dtype.kind not in "uif" or (band is None and count > 1):
+        what = f"{count} bands of {values.dtype}"
+        raise ValueError(f"{path}: holds {what}, not one band of numbers")
     place, misplaced = _placed(lambda: words and georeference.of_proj(words, transform))
-    return ElevationFile(values, place, misplaced, scale, offset, None, no_data)
+    numbers = (float(scale[k]), float(offset[k]))
+    return ElevationFile(
+        _unmasked(values, no_data), place, misplaced, *numbers, None, no_data, unit[k] or ""
+    )
+
+
+def _unmasked(values: Any, no_data: float | None) -> NDArray[Any]:
+    """The numbers, those that are masked by anything but a number of their own as NaN."""
+    if no_data is not None or not np.ma.getmaskarray(values).any():
+        return np.asarray(values.data)
+    return np.asarray(values.astype(np.float64).filled(np.nan))

@@ -114,7 +114,7 @@ class SurfaceRaster(Strict):
     raw: RawSamples | None = None
     """Layout of an .img file without a label."""
     band: Annotated[int, Field(strict=True, ge=1)] | None = None
-    """Band of a TIFF with several, from 1 on."""
+    """Band of a TIFF, or of what rasterio reads, with several; from 1 on."""
     scale: StaticFinite | None = None
     """Factor on the file's numbers. Default: the file's own, else 1; a PNG needs it (8 bits from 0
     to 1: 0.00392157). They are linear, without the curve of sRGB."""
