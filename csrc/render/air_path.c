@@ -200,7 +200,7 @@ static bool find_passage(const pl_path_context *context, int bounce, size_t i, b
   const bool miss = pl_surface_is_none(hit->surface_id);
   const bool ground = pl_surface_same(hit->surface_id, pl_surface_of_body(item->body));
   if (out->known)
-    out->light = b->air.pixels[path->pixel].light;
+    out->light = b->air->pixels[path->pixel].light;
   if (out->known && !pieces)
     return true;
   if (bounce == 0 && !miss && !ground && hit->t < item->distance_m)
@@ -231,15 +231,15 @@ void pl_air_pass(const pl_path_context *context, int bounce, size_t i, const pl_
   pl_path *path = &b->paths[i];
   pl_vec3f *sink = pl_path_sink(b, path->pixel, path->shared), through = path->throughput;
   pl_vec3f way[PL_MEDIUM_CROSSINGS];
-  const bool known = bounce == 0 && is_known(&b->air, path->pixel, &b->hits[i]);
+  const bool known = bounce == 0 && is_known(b->air, path->pixel, &b->hits[i]);
   for (size_t k = 0; k < list->count; k++)
     way[k] = through;
-  for (size_t n = 0; n < (known ? 1 : view->count) && (bounce > 0 || b->air.any); n++) {
-    passage p = {.item = known ? b->air.item : &view->items[n], .known = known};
+  for (size_t n = 0; n < (known ? 1 : view->count) && (bounce > 0 || b->air->any); n++) {
+    passage p = {.item = known ? b->air->item : &view->items[n], .known = known};
     if (!find_passage(context, bounce, i, list->count > 0, b, &p))
       continue;
     const bool scattered = !(bounce > 0 && leaves_out(view, &b->rays[i], p.item->body));
-    const pl_vec3f light = scatter_between(view, &p, list, way, &b->air, path->pixel);
+    const pl_vec3f light = scatter_between(view, &p, list, way, b->air, path->pixel);
     if (scattered)
       *sink = pl_vec3f_madd(*sink, p.item->irradiance, pl_vec3f_mul(through, light));
     through = pl_vec3f_mul(through, p.light.transmitted);
@@ -249,7 +249,7 @@ void pl_air_pass(const pl_path_context *context, int bounce, size_t i, const pl_
 
 void pl_air_apply(const pl_path_context *context, int bounce, size_t count, pl_tile_buffers *b) {
   const pl_medium_list none = {.count = 0};
-  if (bounce == 0 && !b->air.any)
+  if (bounce == 0 && !b->air->any)
     return;
   for (size_t i = 0; i < count; i++) {
     const uint32_t pixel = b->paths[i].pixel;
@@ -323,19 +323,19 @@ pl_vec3f pl_air_ground_light(const pl_path_context *context, uint32_t pixel,
       pl_vec3_to_float(pl_vec3_unit(pl_vec3_sub(shot->sun.position, vertex->position)));
   const pl_vec3f wo = pl_surface_to_local(
       &vertex->surface, pl_vec3_to_float(pl_vec3_scale(pl_vec3_unit(vertex->position), -1.0)));
-  if (b->air.known[pixel] != PL_AIR_GROUND || b->air.item == NULL ||
-      !pl_surface_same(vertex->surface_id, pl_surface_of_body(b->air.item->body))) {
+  if (b->air->known[pixel] != PL_AIR_GROUND || b->air->item == NULL ||
+      !pl_surface_same(vertex->surface_id, pl_surface_of_body(b->air->item->body))) {
     const pl_vec3f sky = pl_air_sky_reflected(view, shot, vertex, wo, false);
     return pl_vec3f_add(
         pl_vec3f_mul(direct, pl_air_toward_sun(view, shot, vertex->position, toward)),
         pl_media_dim_sky(context->settings->media, shot, vertex, width_m, sky));
   }
-  const pl_air_pixel *air = &b->air.pixels[pixel];
+  const pl_air_pixel *air = &b->air->pixels[pixel];
   const pl_vec3f light = pl_vec3f_mul(direct, air->sunlight);
   if (!view->skylight)
     return light;
   const pl_vec3f sky =
-      pl_vec3f_scale(reflect_sky(&vertex->surface, wo, air->skylight), b->air.item->irradiance);
+      pl_vec3f_scale(reflect_sky(&vertex->surface, wo, air->skylight), b->air->item->irradiance);
   return pl_vec3f_add(light,
                       pl_media_dim_sky(context->settings->media, shot, vertex, width_m, sky));
 }
@@ -363,17 +363,17 @@ pl_vec3f pl_air_seen(const pl_path_context *context, uint32_t pixel, pl_vec3f ra
                      const pl_medium_list *list, pl_tile_buffers *b) {
   const pl_air_view *view = context->settings->air;
   const pl_point *point = &b->points[pixel];
-  const bool known = b->air.item != NULL && b->air.known[pixel] == PL_AIR_GROUND &&
-                     pl_surface_same(point->surface_id, pl_surface_of_body(b->air.item->body));
+  const bool known = b->air->item != NULL && b->air->known[pixel] == PL_AIR_GROUND &&
+                     pl_surface_same(point->surface_id, pl_surface_of_body(b->air->item->body));
   pl_vec3f sum = {0.0f, 0.0f, 0.0f}, through = {1.0f, 1.0f, 1.0f};
   pl_vec3f way[PL_MEDIUM_CROSSINGS];
   for (size_t k = 0; k < list->count; k++)
     way[k] = through;
   for (size_t n = 0; n < (known ? 1 : view->count); n++) {
-    passage p = {.item = known ? b->air.item : &view->items[n], .known = known};
-    if (!find_seen(context, point, list->count > 0, &b->air.pixels[pixel], &p))
+    passage p = {.item = known ? b->air->item : &view->items[n], .known = known};
+    if (!find_seen(context, point, list->count > 0, &b->air->pixels[pixel], &p))
       continue;
-    const pl_vec3f light = scatter_between(view, &p, list, way, &b->air, pixel);
+    const pl_vec3f light = scatter_between(view, &p, list, way, b->air, pixel);
     sum = pl_vec3f_madd(sum, p.item->irradiance, pl_vec3f_mul(through, light));
     through = pl_vec3f_mul(through, p.light.transmitted);
   }
@@ -383,10 +383,10 @@ pl_vec3f pl_air_seen(const pl_path_context *context, uint32_t pixel, pl_vec3f ra
 
 bool pl_air_alone(const pl_path_context *context, uint32_t pixel, pl_vec3f behind,
                   pl_vec3f *radiance, const pl_tile_buffers *b) {
-  if (b->air.known[pixel] != PL_AIR_SPACE || context->sun)
+  if (b->air->known[pixel] != PL_AIR_SPACE || context->sun)
     return false;
-  const pl_air_light *light = &b->air.pixels[pixel].light;
-  *radiance = pl_vec3f_madd(pl_vec3f_mul(behind, light->transmitted), b->air.item->irradiance,
+  const pl_air_light *light = &b->air->pixels[pixel].light;
+  *radiance = pl_vec3f_madd(pl_vec3f_mul(behind, light->transmitted), b->air->item->irradiance,
                             light->scattered);
   return true;
 }

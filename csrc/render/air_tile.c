@@ -60,9 +60,9 @@ static void work_out(const pl_path_context *context, const pl_air_item *item, do
 
 static const pl_air_corner *corner_at(const pl_path_context *context, pl_tile_buffers *b, int x,
                                       int y) {
-  pl_air_corner *corner = &b->air.corners[y * PL_AIR_SIDE + x];
+  pl_air_corner *corner = &b->air->corners[y * PL_AIR_SIDE + x];
   if (corner->known == PL_AIR_UNKNOWN)
-    work_out(context, b->air.item, x, y, corner);
+    work_out(context, b->air->item, x, y, corner);
   return corner;
 }
 
@@ -147,14 +147,14 @@ static bool is_clear(const square *s) {
   const pl_tile *tile = &s->context->tile;
   const double rect[4] = {tile->x0 + s->x - 0.5, tile->y0 + s->y - 0.5,
                           tile->x0 + s->x + s->side - 0.5, tile->y0 + s->y + s->side - 0.5};
-  const pl_shot_body *body = &s->context->shot->bodies[s->b->air.item->body];
+  const pl_shot_body *body = &s->context->shot->bodies[s->b->air->item->body];
   pl_snapshot_cone(s->context->shot, rect, &axis, &half_angle);
   return !pl_sphere_in_cone(body->center, body->radius_m, axis, half_angle);
 }
 
 static float share_of(const square *s, const pl_air_pixel *said, const pl_air_pixel *is) {
   const pl_render_settings *settings = s->context->settings;
-  return off_dn(settings, s->b->air.item->irradiance, said, is) / (SHARE * settings->noise_dn);
+  return off_dn(settings, s->b->air->item->irradiance, said, is) / (SHARE * settings->noise_dn);
 }
 
 /* True if the interpolation from the nodes is accurate a quarter of the way along the diagonals. */
@@ -180,8 +180,8 @@ static void fill(const square *s, const pl_air_corner *const nodes[NODES]) {
   for (int y = 0; y < s->side && s->y + y < s->context->tile.height; y++)
     for (int x = 0; x < s->side && s->x + x < s->context->tile.width; x++) {
       const int pixel = (s->y + y) * PL_TILE_SIDE + s->x + x;
-      s->b->air.known[pixel] = (uint8_t)nodes[0]->known;
-      s->b->air.pixels[pixel] = mix(nodes, ((float)x + 0.5f) * step, ((float)y + 0.5f) * step);
+      s->b->air->known[pixel] = (uint8_t)nodes[0]->known;
+      s->b->air->pixels[pixel] = mix(nodes, ((float)x + 0.5f) * step, ((float)y + 0.5f) * step);
     }
 }
 
@@ -191,7 +191,7 @@ static void take_pixel(const square *s) {
   pl_air_pixel around = {0}, mean = {0};
   if (s->x >= s->context->tile.width || s->y >= s->context->tile.height)
     return;
-  work_out(s->context, s->b->air.item, s->x + 0.5, s->y + 0.5, &middle);
+  work_out(s->context, s->b->air->item, s->x + 0.5, s->y + 0.5, &middle);
   for (int i = 0; i < 4; i++) {
     const pl_air_corner *corner = corner_at(s->context, s->b, s->x + (i & 1), s->y + (i >> 1));
     if (corner->known != middle.known)
@@ -202,8 +202,8 @@ static void take_pixel(const square *s) {
     return;
   add_weighted(&around, 1.0f / 3.0f, &mean);
   add_weighted(&middle.air, 2.0f / 3.0f, &mean);
-  s->b->air.known[s->y * PL_TILE_SIDE + s->x] = (uint8_t)middle.known;
-  s->b->air.pixels[s->y * PL_TILE_SIDE + s->x] = mean;
+  s->b->air->known[s->y * PL_TILE_SIDE + s->x] = (uint8_t)middle.known;
+  s->b->air->pixels[s->y * PL_TILE_SIDE + s->x] = mean;
 }
 
 static void take_square(const square *s) {
@@ -255,16 +255,16 @@ static const pl_air_item *only_item(const pl_path_context *context, bool *any) {
 }
 
 void pl_air_prepare(const pl_path_context *context, pl_tile_buffers *b) {
-  memset(b->air.known, 0, sizeof b->air.known);
+  memset(b->air->known, 0, sizeof b->air->known);
   if (context->media) {
-    memset(b->air.medium_t, 0, sizeof b->air.medium_t);
-    memset(b->air.blocks, 0, sizeof b->air.blocks);
+    memset(b->air->medium_t, 0, sizeof b->air->medium_t);
+    memset(b->air->blocks, 0, sizeof b->air->blocks);
   }
-  b->air.item = only_item(context, &b->air.any);
-  if (b->air.item == NULL || !context->sharp || !(context->settings->noise_dn > 0.0f))
+  b->air->item = only_item(context, &b->air->any);
+  if (b->air->item == NULL || !context->sharp || !(context->settings->noise_dn > 0.0f))
     return;
   for (int i = 0; i < PL_AIR_SIDE * PL_AIR_SIDE; i++)
-    b->air.corners[i].known = PL_AIR_UNKNOWN;
+    b->air->corners[i].known = PL_AIR_UNKNOWN;
   for (int y = 0; y < context->tile.height; y += WHOLE)
     for (int x = 0; x < context->tile.width; x += WHOLE) {
       const square whole = {context, b, x, y, WHOLE};

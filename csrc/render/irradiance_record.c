@@ -187,10 +187,9 @@ static pl_status make_room(pl_irradiance_record *share, size_t patches, size_t c
 
 /* Radiance of a pixel without the shared light. */
 static pl_vec3f own_light(const pl_tile_buffers *b, uint32_t pixel) {
-  const pl_pixel_patches *patches = &b->patches[pixel];
   pl_vec3f sum = b->radiance[pixel];
-  for (uint32_t i = 0; i < patches->count; i++)
-    sum = pl_vec3f_add(sum, patches->patch[i].own);
+  for (uint32_t i = 0; i < pl_path_patch_count(b, pixel); i++)
+    sum = pl_vec3f_add(sum, b->patches[pixel].patch[i].own);
   return pl_vec3f_scale(sum, 1.0f / (float)b->counts[pixel]);
 }
 

@@ -27,7 +27,7 @@ typedef struct pl_pending {
 /* A path casts at most two shadow rays from a vertex: to the sun and to an emitter. */
 enum { PL_TILE_SHADOWS = 2 * PL_TILE_PIXELS };
 
-/* All buffers of one worker. */
+/* All buffers of one worker. Those of effects are made by the first frame that has them. */
 typedef struct pl_tile_buffers {
   double directions[3][PL_TILE_PIXELS]; /* of the rays through the pixels' centres */
   pl_point points[PL_TILE_PIXELS];
@@ -36,7 +36,7 @@ typedef struct pl_tile_buffers {
   pl_vec3f radiance[PL_TILE_PIXELS];
   float square[PL_TILE_PIXELS]; /* sum of their squared luminances */
   int counts[PL_TILE_PIXELS];   /* number of samples, with or without a patch */
-  pl_pixel_patches patches[PL_TILE_PIXELS];
+  pl_pixel_patches *patches;    /* of all pixels; NULL until a frame filters irradiance */
   /* The sample that is being traced: its patch, its radiance, and the radiance of its shared light.
    */
   uint32_t slot[PL_TILE_PIXELS];
@@ -65,7 +65,7 @@ typedef struct pl_tile_buffers {
   pl_pending pending[PL_TILE_SHADOWS];
   pl_ray shadow_rays[PL_TILE_SHADOWS];
   bool occluded[PL_TILE_SHADOWS];
-  pl_air_tile air;                     /* not set if settings->air is NULL */
+  pl_air_tile *air;                    /* NULL until a frame has air; then not set without it */
   uint32_t wave_seeds[PL_TILE_PIXELS]; /* or indices of pixels */
   float draws[6][PL_TILE_PIXELS];
 } pl_tile_buffers;
@@ -104,6 +104,11 @@ bool pl_path_share(const pl_path_context *context, pl_tile_buffers *buffers);
 /* For a slice, after pl_path_prefilter: renders these samples. `radiance` becomes their
  * contribution to the pixels' means. */
 void pl_path_slice(const pl_path_context *context, pl_tile_buffers *buffers);
+
+/* Number of patches of a pixel. */
+static inline uint32_t pl_path_patch_count(const pl_tile_buffers *buffers, uint32_t pixel) {
+  return buffers->patches != NULL ? buffers->patches[pixel].count : 0;
+}
 
 /* Where the light of a path is added. */
 static inline pl_vec3f *pl_path_sink(pl_tile_buffers *buffers, uint32_t pixel, bool shared) {

@@ -441,7 +441,8 @@ static void reset_pixel(uint32_t pixel, pl_tile_buffers *b) {
   b->followed[pixel] = 0;
   b->square[pixel] = 0.0f;
   b->sample[pixel] = b->shared[pixel] = (pl_vec3f){0.0f, 0.0f, 0.0f};
-  b->patches[pixel].count = 0;
+  if (b->patches != NULL)
+    b->patches[pixel].count = 0;
 }
 
 /* Appends a pixel to the active ones; those that may see a mesh come first. */

@@ -54,6 +54,10 @@ pl_status pl_render_scratch_create(int threads, pl_render_scratch **out) {
 void pl_render_scratch_destroy(pl_render_scratch *scratch) {
   if (scratch == NULL)
     return;
+  for (int i = 0; i < scratch->threads; i++) {
+    pl_free(scratch->buffers[i].patches);
+    pl_free(scratch->buffers[i].air);
+  }
   pl_free(scratch->buffers);
   pl_free(scratch->suns);
   pl_coverage_clear(&scratch->coverage);
@@ -432,6 +436,24 @@ static pl_status view_suns(pl_render_scratch *scratch, const pl_snapshot *shot) 
   return PL_OK;
 }
 
+/* Makes the buffers of effects that a frame has and no frame before it had. */
+static pl_status make_effect_buffers(const job *job) {
+  const pl_render_settings *settings = job->settings;
+  void *room;
+  for (int i = 0; i < job->scratch->threads && settings->samples > 0; i++) {
+    pl_tile_buffers *b = &job->scratch->buffers[i];
+    if (b->patches == NULL && is_adaptive(job)) {
+      PL_TRY(pl_alloc_or_fail(PL_TILE_PIXELS, sizeof *b->patches, "patches of a tile", &room));
+      b->patches = room;
+    }
+    if (b->air == NULL && settings->air != NULL) {
+      PL_TRY(pl_alloc_or_fail(1, sizeof *b->air, "the air of a tile", &room));
+      b->air = room;
+    }
+  }
+  return PL_OK;
+}
+
 /* Approximate number of rays per pixel: one through its centre, and one per sample. */
 static int rays_of(const pl_render_settings *settings) {
   const int count = settings->slice != NULL ? settings->slice->count : 0;
@@ -458,6 +480,7 @@ pl_status pl_render(const pl_snapshot *shot, const pl_tracer *tracer,
       .pixel_rad = 1.0 / fmax(shot->rays.camera.fx, shot->rays.camera.fy),
   };
   PL_TRY(view_suns(scratch, shot));
+  PL_TRY(make_effect_buffers(&job));
   PL_TRY(pl_coverage_update(&scratch->coverage, shot, row0, row1, rays_of(settings),
                             scratch->threads));
   return is_adaptive(&job) ? render_bands(&job, rows, cancel)

@@ -2,9 +2,8 @@
  * all around the camera, shows in each pixel what a pinhole aimed there shows. */
 #include "harness.h"
 
-#include "frame/instant.h"
+#include "instants.h"
 #include "render/vertex.h"
-#include "scenes.h"
 
 enum { WIDTH = 90, HEIGHT = 45, PIXELS = WIDTH * HEIGHT, EVERY = 3 };
 
@@ -110,33 +109,15 @@ static void compare(const pl_instant *instant, pl_render_scratch *scratch) {
 
 static void test_a_panorama_shows_what_pinholes_show(void **state) {
   (void)state;
-  stage s;
-  pl_arena arena;
-  pl_accelerators *kept;
-  pl_render_scratch *scratch;
-  pl_survey survey;
-  pl_plan plan;
-  const pl_instant *instant;
-  pl_model *cube = cube_create(1.0);
-  stage_init(&s, 32, 32, 30.0);
-  surround(&s, cube);
-  pl_arena_init(&arena);
-  assert_int_equal(pl_accelerators_create(&kept), PL_OK);
-  assert_int_equal(pl_render_scratch_create(1, &scratch), PL_OK);
-  const pl_frame_request request = {.samples = 1, .placement = s.placement};
-  const pl_plan_wish wish = {.tolerance_dn = 0.0};
-  assert_int_equal(pl_survey_place(&s.scene, &request, &s.placement, &arena, &survey), PL_OK);
-  survey.view.white_radiance = 400.0;
-  assert_int_equal(pl_survey_plan(&survey, &wish, false, &arena, &plan), PL_OK);
-  pl_choice choice = pl_choice_of_metering(&request, &plan, 1);
+  studio s;
+  studio_init(&s, 32, 30.0, 1.0);
+  surround(&s.stage, s.cube);
+  const pl_frame_request request = {.samples = 1, .placement = s.stage.placement};
+  pl_survey survey = studio_survey(&s, &request);
+  pl_choice choice = studio_choice(&s, &request, &survey, 1);
   choice.culls = false; /* what the frame's own camera does not see is seen here */
-  assert_int_equal(pl_realise(kept, &survey, &choice, &arena, &instant), PL_OK);
-  compare(instant, scratch);
-  pl_render_scratch_destroy(scratch);
-  pl_accelerators_destroy(kept);
-  pl_arena_clear(&arena);
-  stage_clear(&s);
-  pl_model_destroy(cube);
+  compare(studio_realise(&s, &survey, &choice), s.scratch);
+  studio_clear(&s);
 }
 
 int main(void) {

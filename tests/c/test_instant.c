@@ -2,8 +2,11 @@
  * consumers may use several side by side. */
 #include "harness.h"
 
-#include "frame/instant.h"
-#include "scenes.h"
+#include <stdlib.h>
+
+#include "airs.h"
+#include "instants.h"
+#include "render/path.h"
 
 enum { SIDE = 48, SAMPLES = 4 };
 
@@ -33,69 +36,104 @@ static void place(stage *s, double x) {
   s->objects[1].motion = still((pl_vec3){-x, 1, 15}, PL_QUAT_IDENTITY);
 }
 
-/* The choice of metering, by a plan that keeps whatever changes anything. */
-static pl_choice choice_of(const stage *s, const pl_frame_request *request, pl_arena *arena) {
-  const pl_plan_wish wish = {.tolerance_dn = 0.0};
-  pl_survey survey;
-  pl_plan plan;
-  assert_int_equal(pl_survey_place(&s->scene, request, &s->placement, arena, &survey), PL_OK);
-  survey.view.white_radiance = 400.0;
-  assert_int_equal(pl_survey_plan(&survey, &wish, false, arena, &plan), PL_OK);
-  return pl_choice_of_metering(request, &plan, SAMPLES);
-}
-
 static void test_instants_do_not_change_each_other(void **state) {
   (void)state;
-  stage s;
-  pl_arena arena;
-  pl_accelerators *kept;
-  pl_render_scratch *scratch;
-  pl_model *cube = cube_create(0.5);
+  studio s;
   static picture alone, other, again;
-  stage_init(&s, SIDE, SIDE, 60.0);
-  stage_add_object(&s, cube, (pl_vec3){0, 0, 0}, PL_QUAT_IDENTITY, 2.0);
-  stage_add_object(&s, cube, (pl_vec3){0, 0, 0}, PL_QUAT_IDENTITY, 1.0);
-  stage_add_body(&s, (pl_vec3){0, 0, 40}, (pl_vec3){6, 6, 5}, 0.5f);
-  pl_arena_init(&arena);
-  assert_int_equal(pl_accelerators_create(&kept), PL_OK);
-  assert_int_equal(pl_render_scratch_create(1, &scratch), PL_OK);
-  const pl_frame_request request = {.samples = SAMPLES, .placement = s.placement};
-  pl_choice culled = choice_of(&s, &request, &arena), quick = culled;
+  studio_init(&s, SIDE, 60.0, 0.5);
+  stage_add_object(&s.stage, s.cube, (pl_vec3){0, 0, 0}, PL_QUAT_IDENTITY, 2.0);
+  stage_add_object(&s.stage, s.cube, (pl_vec3){0, 0, 0}, PL_QUAT_IDENTITY, 1.0);
+  stage_add_body(&s.stage, (pl_vec3){0, 0, 40}, (pl_vec3){6, 6, 5}, 0.5f);
+  const pl_frame_request request = {.samples = SAMPLES, .placement = s.stage.placement};
+  pl_survey planned = studio_survey(&s, &request);
+  pl_choice culled = studio_choice(&s, &request, &planned, SAMPLES), quick = culled;
   quick.culls = false;
   culled.tolerance_dn = 1.0;
   culled.subpixel = true;
   for (int k = 0; k < 2; k++) {
     const pl_choice *choice = k == 0 ? &quick : &culled;
-    pl_survey first, second;
-    const pl_instant *one, *two;
-    pl_arena_reset(&arena);
-    place(&s, -1.0);
-    assert_int_equal(pl_survey_place(&s.scene, &request, &s.placement, &arena, &first), PL_OK);
-    first.view.white_radiance = 400.0;
-    const pl_survey before = first;
-    assert_int_equal(pl_realise(kept, &first, choice, &arena, &one), PL_OK);
+    pl_arena_reset(&s.arena);
+    place(&s.stage, -1.0);
+    const pl_survey first = studio_survey(&s, &request), before = first;
+    const pl_instant *one = studio_realise(&s, &first, choice);
     assert_memory_equal(&before, &first, sizeof first);
     assert_true(first.shot.objects[0].kept && first.shot.bodies[0].shadowed);
-    render(one, scratch, &alone);
-    place(&s, 1.5);
-    assert_int_equal(pl_survey_place(&s.scene, &request, &s.placement, &arena, &second), PL_OK);
-    second.view.white_radiance = 400.0;
-    assert_int_equal(pl_realise(kept, &second, choice, &arena, &two), PL_OK);
-    render(two, scratch, &other);
-    render(one, scratch, &again);
+    render(one, s.scratch, &alone);
+    place(&s.stage, 1.5);
+    const pl_survey second = studio_survey(&s, &request);
+    render(studio_realise(&s, &second, choice), s.scratch, &other);
+    render(one, s.scratch, &again);
     assert_memory_equal(&alone, &again, sizeof alone);
     assert_memory_not_equal(&alone, &other, sizeof alone);
   }
-  pl_render_scratch_destroy(scratch);
-  pl_accelerators_destroy(kept);
-  pl_arena_clear(&arena);
-  stage_clear(&s);
-  pl_model_destroy(cube);
+  studio_clear(&s);
+}
+
+/* Counts allocations of some sizes. */
+typedef struct tally {
+  size_t sizes[2];
+  int found[2];
+} tally;
+
+static void *allocate_counted(void *context, size_t size) {
+  tally *t = context;
+  for (int i = 0; i < 2; i++)
+    t->found[i] += size == t->sizes[i];
+  return malloc(size);
+}
+
+/* Renders without or with the irradiance filter and air; `made`: buffers made so
+ * far. */
+static void render_with(const pl_instant *instant, bool filter, bool air, tally *made,
+                        pl_render_scratch *scratch, picture *out) {
+  pl_render_settings settings = instant->settings;
+  settings.noise_dn = filter ? 1.0f : 0.0f;
+  if (!air)
+    settings.air = NULL;
+  pl_memory_hook(allocate_counted, made);
+  const pl_status status =
+      pl_render(&instant->shot, instant->tracer, &settings, scratch, take_tile, out, NULL);
+  pl_memory_hook(NULL, NULL);
+  assert_int_equal(status, PL_OK);
+}
+
+/* Buffers of the irradiance filter and of air are made by the first frame that has them, and only
+ * then. Frames without them have the same bits before and after. */
+static void test_effects_that_are_off_have_no_buffers(void **state) {
+  (void)state;
+  studio s;
+  test_random random = {.seed = 5};
+  tally made = {.sizes = {PL_TILE_PIXELS * sizeof(pl_pixel_patches), sizeof(pl_air_tile)}};
+  static picture off, filtered, airy, again;
+  const pl_air_settings settings = random_air(&random, 6.0, 0.05, 0.3);
+  pl_air *air = air_create(&settings, 6.0);
+  studio_init(&s, SIDE, 60.0, 0.5);
+  stage_add_object(&s.stage, s.cube, (pl_vec3){-1, 0, 12}, PL_QUAT_IDENTITY, 2.0);
+  const size_t body = stage_add_body(&s.stage, (pl_vec3){0, 0, 40}, (pl_vec3){6, 6, 6}, 0.5f);
+  s.stage.scene.bodies[body].air = air;
+  const pl_frame_request request = {.samples = SAMPLES, .placement = s.stage.placement};
+  pl_survey survey = studio_survey(&s, &request);
+  const pl_choice choice = studio_choice(&s, &request, &survey, SAMPLES);
+  const pl_instant *instant = studio_realise(&s, &survey, &choice);
+  assert_true(instant->settings.air != NULL && made.sizes[0] > 400000 && made.sizes[1] > 130000);
+  const bool with[4][2] = {{false, false}, {true, false}, {false, true}, {false, false}};
+  picture *pictures[4] = {&off, &filtered, &airy, &again};
+  for (int i = 0; i < 4; i++) {
+    render_with(instant, with[i][0], with[i][1], &made, s.scratch, pictures[i]);
+    assert_int_equal(made.found[0], i >= 1);
+    assert_int_equal(made.found[1], i >= 2);
+  }
+  assert_memory_equal(&off, &again, sizeof off);
+  assert_memory_not_equal(&off, &filtered, sizeof off);
+  assert_memory_not_equal(&off, &airy, sizeof off);
+  studio_clear(&s);
+  pl_air_destroy(air);
 }
 
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_instants_do_not_change_each_other),
+      cmocka_unit_test(test_effects_that_are_off_have_no_buffers),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
