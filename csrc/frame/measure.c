@@ -2,6 +2,7 @@
 #include "frame/measure.h"
 
 #include "frame/instant.h"
+#include "frame/scan.h"
 #include "light/sun.h"
 #include "render/coverage_mask.h"
 #include "render/geometry.h"
@@ -45,46 +46,96 @@ static void gather_shadow(const pl_snapshot *shot, const pl_tracer *tracer, cons
   }
 }
 
-static pl_status measure(const pl_survey *survey, pl_accelerators *kept, pl_coverage *coverage,
-                         pl_arena *arena, int repeats, pl_ray_times *primary,
-                         pl_ray_times *shadow) {
-  const size_t pixels = (size_t)survey->view.width * (size_t)survey->view.height;
-  rays first = {pl_arena_alloc(arena, pixels, sizeof(pl_ray)), 0};
-  rays second = {pl_arena_alloc(arena, pixels, sizeof(pl_ray)), 0};
-  if (first.items == NULL || second.items == NULL)
-    return pl_fail(PL_E_MEMORY, "out of memory for rays");
+/* What is measured, and the memory of it. */
+typedef struct bench {
+  pl_survey survey;
+  pl_accelerators *kept;
+  pl_arena arena;
+  pl_coverage coverage;
+  const pl_ray_source *source; /* NULL: rays of pixels, and to the sun */
+  int repeats;
+  pl_ray_times *primary, *shadow; /* the latter of pixels alone */
+} bench;
+
+static pl_status room_for(bench *b, size_t count, rays *out) {
+  *out = (rays){pl_arena_alloc(&b->arena, count, sizeof(pl_ray)), 0};
+  return out->items != NULL ? PL_OK : pl_fail(PL_E_MEMORY, "out of memory for rays");
+}
+
+static pl_status measure_pixels(bench *b) {
+  const size_t pixels = (size_t)b->survey.view.width * (size_t)b->survey.view.height;
+  rays first, second;
+  PL_TRY(room_for(b, pixels, &first));
+  PL_TRY(room_for(b, pixels, &second));
   const pl_choice choice = {
       .terrain_levels = PL_CUBE_LEVELS,
       .threads = 1,
       .settings.effects = {.far_casters = 1, .distortion = 1, .depth_of_field = 1}};
   const pl_instant *instant;
-  PL_TRY(pl_realise(kept, survey, &choice, arena, &instant));
+  PL_TRY(pl_realise(b->kept, &b->survey, &choice, &b->arena, &instant));
   const pl_snapshot *shot = &instant->shot;
   const pl_tracer *tracer = instant->tracer;
-  PL_TRY(pl_coverage_update(coverage, shot, 0, shot->rays.camera.height, 1, 1));
-  gather_primary(shot, coverage, &first);
+  PL_TRY(pl_coverage_update(&b->coverage, shot, 0, shot->rays.camera.height, 1, 1));
+  gather_primary(shot, &b->coverage, &first);
   gather_shadow(shot, tracer, &first, &second);
-  PL_TRY(pl_tracer_measure(kept, tracer, first.items, first.count, false, repeats, primary));
-  return pl_tracer_measure(kept, tracer, second.items, second.count, true, repeats, shadow);
+  PL_TRY(
+      pl_tracer_measure(b->kept, tracer, first.items, first.count, false, b->repeats, b->primary));
+  return pl_tracer_measure(b->kept, tracer, second.items, second.count, true, b->repeats,
+                           b->shadow);
+}
+
+static pl_status measure_scan(bench *b) {
+  const size_t beams = b->source->kind->count(b->source);
+  rays all;
+  PL_TRY(room_for(b, beams * (size_t)b->source->sub_rays, &all));
+  pl_choice choice = {
+      .terrain_levels = PL_CUBE_LEVELS,
+      .threads = 1,
+      .settings.effects = {.distortion = 1},
+      .looks = {.pixel_rad = fmax(b->source->divergence_rad, PL_SCAN_PIXEL_RAD)},
+  };
+  pl_ray_source_cone(b->source, &choice.looks.axis, &choice.looks.half_angle_rad);
+  const pl_instant *instant;
+  PL_TRY(pl_realise(b->kept, &b->survey, &choice, &b->arena, &instant));
+  const pl_mat3 *to_root = &instant->shot.camera_to_root;
+  for (size_t beam = 0; beam < beams; beam++)
+    for (int sub = 0; sub < b->source->sub_rays; sub++) {
+      pl_sensor_ray ray;
+      pl_ray_source_ray(b->source, beam, sub, &ray);
+      all.items[all.count++] = (pl_ray){.origin = pl_mat3_mul_vec(*to_root, ray.origin),
+                                        .direction = pl_mat3_mul_vec(*to_root, ray.direction),
+                                        .t_max = INFINITY,
+                                        .skip_body = PL_NO_BODY};
+    }
+  return pl_tracer_measure(b->kept, instant->tracer, all.items, all.count, false, b->repeats,
+                           b->primary);
+}
+
+static pl_status measure(const pl_scene *scene, const pl_placement *placement, bench *b) {
+  const pl_frame_request request = {.samples = 1};
+  pl_arena_init(&b->arena);
+  pl_status status = pl_placement_check(scene, placement);
+  if (status == PL_OK)
+    status = pl_survey_place(scene, &request, placement, &b->arena, &b->survey);
+  if (status == PL_OK)
+    status = pl_accelerators_create(&b->kept);
+  if (status == PL_OK)
+    status = b->source != NULL ? measure_scan(b) : measure_pixels(b);
+  pl_accelerators_destroy(b->kept);
+  pl_coverage_clear(&b->coverage);
+  pl_arena_clear(&b->arena);
+  return status;
 }
 
 pl_status pl_measure_rays(const pl_scene *scene, const pl_placement *placement, int repeats,
                           pl_ray_times *primary, pl_ray_times *shadow) {
-  pl_arena arena;
-  pl_survey survey;
-  const pl_frame_request request = {.samples = 1};
-  pl_coverage coverage = {0};
-  pl_accelerators *kept = NULL;
-  pl_arena_init(&arena);
-  pl_status status = pl_placement_check(scene, placement);
-  if (status == PL_OK)
-    status = pl_survey_place(scene, &request, placement, &arena, &survey);
-  if (status == PL_OK)
-    status = pl_accelerators_create(&kept);
-  if (status == PL_OK)
-    status = measure(&survey, kept, &coverage, &arena, repeats, primary, shadow);
-  pl_accelerators_destroy(kept);
-  pl_coverage_clear(&coverage);
-  pl_arena_clear(&arena);
-  return status;
+  bench b = {.repeats = repeats, .primary = primary, .shadow = shadow};
+  return measure(scene, placement, &b);
+}
+
+pl_status pl_measure_scan(const pl_scene *scene, const pl_placement *placement,
+                          const pl_ray_source *source, int repeats, pl_ray_times *out) {
+  bench b = {.source = source, .repeats = repeats, .primary = out};
+  PL_TRY(pl_ray_source_check(source));
+  return measure(scene, placement, &b);
 }

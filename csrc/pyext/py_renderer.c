@@ -264,6 +264,8 @@ static PyObject *renderer_measure_rays(PyObject *object, PyObject *args) {
 static PyMethodDef renderer_methods[] = {
     {"measure_rays", renderer_measure_rays, METH_VARARGS,
      "Times a frame's rays against raw Embree: for benchmarks."},
+    {"measure_scan", pl_py_renderer_measure_scan, METH_VARARGS,
+     "Times the rays of a source against raw Embree: for benchmarks."},
     {"render", (PyCFunction)(void (*)(void))renderer_render, METH_VARARGS | METH_KEYWORDS,
      "Fills the arrays of `out`; returns exposure, plan and timings."},
     {"plan", renderer_plan, METH_O, "The plan of a frame, without rendering it."},

@@ -30,6 +30,7 @@ pl_status pl_py_renderer_run(pl_frame_request *request, pl_status (*work)(void *
 PyObject *pl_py_renderer_trace(PyObject *self, PyObject *args, PyObject *kwargs);
 PyObject *pl_py_renderer_lidar(PyObject *self, PyObject *args, PyObject *kwargs);
 PyObject *pl_py_renderer_time_of_flight(PyObject *self, PyObject *args, PyObject *kwargs);
+PyObject *pl_py_renderer_measure_scan(PyObject *self, PyObject *args);
 PyObject *pl_py_renderer_events(PyObject *self, PyObject *args, PyObject *kwargs);
 
 #endif

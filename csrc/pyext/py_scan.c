@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "frame/measure.h"
 #include "frame/scan.h"
 
 /* A scan that is being made. */
@@ -284,4 +285,22 @@ PyObject *pl_py_time_of_flight_pixel(void) {
   return Py_BuildValue("[(ss),(ss),(ss),(ss),(ss),(ss),(ss(i))]", "range_m", "<f8", "true_range_m",
                        "<f8", "amplitude_e", "<f4", "offset_e", "<f4", "echoes", "<u1", "full",
                        "<u1", "unused", "<u1", 6);
+}
+
+/* --- times ------------------------------------------------------------------------------------ */
+
+PyObject *pl_py_renderer_measure_scan(PyObject *self, PyObject *args) {
+  PyObject *request, *source;
+  int repeats;
+  scan_call call = {.request = {.threads = 1}};
+  if (!PyArg_ParseTuple(args, "OOi:measure_scan", &request, &source, &repeats) ||
+      begin(&call, self, request, source, 1, 0) < 0)
+    return NULL;
+  pl_ray_times times;
+  pl_status status;
+  Py_BEGIN_ALLOW_THREADS status =
+      pl_measure_scan(call.self->core, &call.request.placement, &call.scan.source, repeats, &times);
+  Py_END_ALLOW_THREADS end(&call);
+  return status == PL_OK ? Py_BuildValue("(ndd)", (Py_ssize_t)times.rays, times.ours_s, times.raw_s)
+                         : pl_py_raise(status);
 }

@@ -489,6 +489,10 @@ class Renderer:
         self, request: FrameRequest, repeats: int, /) -> dict[str, tuple[int, float, float]]:
         """For benchmarks: "primary" and "shadow" rays of a frame -> (rays, seconds in the tracer,
         seconds of Embree's packet call alone on the same rays), medians of `repeats`, 1..64."""
+    def measure_scan(
+        self, request: FrameRequest, source: Mapping[str, Any], repeats: int, /
+    ) -> tuple[int, float, float]:
+        """The same of all rays of a source, where things are at the middle of the exposure."""
     def plan(self, request: FrameRequest) -> FrameResult:
         """The plan of a frame without rendering it (automatic exposure is metered)."""
 

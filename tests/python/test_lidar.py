@@ -387,6 +387,15 @@ def test_rays_of_ones_own(repo_dir):
         sim.trace(0, rays, ["rgb"])
 
 
+def test_beams_are_timed(repo_dir):
+    """Beside raw Embree: all rays of all beams."""
+    scene = tree(ball=ball(at(20.0), 5.0, albedo=0.5))
+    sim = scanner(scene, repo_dir, sub_rays=3, divergence_deg=0.1)
+    rays, ours_s, raw_s = sim.measure_scan(0, 1)
+    assert rays == 33 * 25 * 3
+    assert min(ours_s, raw_s) > 0.0
+
+
 def test_points_are_those_of_the_pixels(repo_dir):
     sim = opened(spinning(0.0), repo_dir)
     sample = sim.frame(0, ["depth", "position", "rgb", "instance"])

@@ -150,6 +150,17 @@ class RangeSensors:
             )
         return returns.view(scans.lidar_dtype(len(config.labels.levels)))
 
+    def measure_scan(
+        self: Simulated, index: int, repeats: int, name: str | None = None
+    ) -> tuple[int, float, float]:
+        """For benchmarks: times the rays of a LiDAR against raw Embree; see _core.Renderer."""
+        _, lidar = scans.chosen(self.config_at(index)[0], name)
+        source = scans.source_of(lidar)
+        world, request = _scanned(self, index, 0.0, lidar.transformation)
+        handles = self._mine()
+        with handles.lock:
+            return handles.renderer_of(world.config).measure_scan(request, source, repeats)
+
     def time_of_flight(self: Simulated, index: int, threads: int | None = None) -> Array:
         """The picture of a time-of-flight camera with the pixels of a frame's camera: a structured
         array (height, width).
