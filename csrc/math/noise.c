@@ -105,16 +105,19 @@ float pl_noise(pl_vec3 point, uint32_t seed) {
   return evaluate(at.cell, at.fraction, pl_sampler_mix(seed), true).value;
 }
 
+/* Noise of one lane, whose lattice starts from a mixed seed. */
+PL_WIDE_PART pl_noise_value evaluate_lane(const pl_lattice_lanes *at, uint32_t start, size_t i) {
+  const uint32_t cell[3] = {at->cell[0][i], at->cell[1][i], at->cell[2][i]};
+  const float fraction[3] = {at->fraction[0][i], at->fraction[1][i], at->fraction[2][i]};
+  return evaluate(cell, fraction, start, false);
+}
+
 PL_WIDE void pl_noise_lanes(const pl_point_lanes *points, uint32_t seed,
                             float out[restrict PL_LANES]) {
   pl_lattice_lanes at;
   const uint32_t start = pl_sampler_mix(seed);
   pl_lattice_split_lanes(points, &at);
-  PL_EACH_LANE(i) {
-    const uint32_t cell[3] = {at.cell[0][i], at.cell[1][i], at.cell[2][i]};
-    const float fraction[3] = {at.fraction[0][i], at.fraction[1][i], at.fraction[2][i]};
-    out[i] = evaluate(cell, fraction, start, false).value;
-  }
+  PL_EACH_LANE(i) { out[i] = evaluate_lane(&at, start, i).value; }
 }
 
 PL_WIDE void pl_noise_gradient_lanes(const pl_point_lanes *points, uint32_t seed,
@@ -124,9 +127,7 @@ PL_WIDE void pl_noise_gradient_lanes(const pl_point_lanes *points, uint32_t seed
   const uint32_t start = pl_sampler_mix(seed);
   pl_lattice_split_lanes(points, &at);
   PL_EACH_LANE(i) {
-    const uint32_t cell[3] = {at.cell[0][i], at.cell[1][i], at.cell[2][i]};
-    const float fraction[3] = {at.fraction[0][i], at.fraction[1][i], at.fraction[2][i]};
-    const pl_noise_value noise = evaluate(cell, fraction, start, false);
+    const pl_noise_value noise = evaluate_lane(&at, start, i);
     value[i] = noise.value;
     gradient[0][i] = noise.gradient.x;
     gradient[1][i] = noise.gradient.y;

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from tests.python.output.conftest import write_probe
+from tests.python.output.conftest import small_configuration, write_probe
 
 import perilune
 
@@ -108,38 +108,16 @@ def small_probe(tmp_path_factory):
 
 
 def world(model):
-    return {
-        "version": 1,
-        "seed": 3,
-        "time": {"epoch": "2026-03-20T12:00:00Z", "step_s": 60.0},
-        "root": "planet",
-        "bodies": {
-            "planet": {
-                "kind": "ellipsoid",
-                "radii_km": 6378.0,
-                "gm_km3_s2": 398600.0,
-                "albedo": 0.2,
-            }
-        },
-        "spacecraft": {
-            "probe": {
-                "model": str(model),
-                "size_m": 4.0,
-                "orbit": {"around": "planet", "altitude_km": 500.0, "mean_anomaly_deg": 10.0},
-            }
-        },
-        "camera": {
-            "width": WIDTH,
-            "height": HEIGHT,
-            "fov_deg": 30.0,
-            "trajectory": {
-                "kind": "orbit_object",
-                "target": "probe",
-                "distance_m": [6.0, 9.0],
-                "aim_jitter_deg": 12.0,
-            },
-        },
+    """The probe alone, some of whose frames cut it."""
+    config = small_configuration()
+    config["spacecraft"]["probe"]["model"] = str(model)
+    trajectory = {
+        **config["camera"]["trajectory"],
+        "distance_m": [6.0, 9.0],
+        "aim_jitter_deg": 12.0,
     }
+    config["camera"] = {"width": WIDTH, "height": HEIGHT, "fov_deg": 30.0, "trajectory": trajectory}
+    return config
 
 
 def lone(sim, index, hidden):

@@ -102,18 +102,15 @@ def write_probe(path: Path, wing: float = 1.0) -> None:
     )
 
 
-@pytest.fixture(scope="session")
-def small_scene(tmp_path_factory):
-    """Path of a configuration: one probe over an Earth-like body, 96x72 pixels, 2 samples."""
-    folder = tmp_path_factory.mktemp("small_scene")
-    write_probe(folder / "probe.glb")
+def small_configuration():
+    """One probe over an Earth-like body, 96x72 pixels, 2 samples."""
     orbit = {
         "around": "planet",
         "altitude_km": 500.0,
         "inclination_deg": 30.0,
         "mean_anomaly_deg": 10.0,
     }
-    config = {
+    return {
         "version": 1,
         "seed": 3,
         "time": {"epoch": "2026-03-20T12:00:00Z", "step_s": 60.0},
@@ -147,8 +144,15 @@ def small_scene(tmp_path_factory):
         },
         "render": {"samples": 2, "max_bounces": 1},
     }
+
+
+@pytest.fixture(scope="session")
+def small_scene(tmp_path_factory):
+    """Path of `small_configuration`."""
+    folder = tmp_path_factory.mktemp("small_scene")
+    write_probe(folder / "probe.glb")
     path = folder / "small.json"
-    path.write_text(json.dumps(config))
+    path.write_text(json.dumps(small_configuration()))
     return path
 
 
