@@ -2,7 +2,8 @@
 
 Scenes of fractal detail and craters, which need no data, seen from orbit, aslant and from a mast.
 Errors are root mean squares over pixels that see the ground in both, against `--reference` cells a
-pixel: of rgb in digital numbers, of depth in widths of a pixel at the ground, of slope in degrees.
+pixel: of rgb in digital numbers, of depth in widths of a pixel at the ground, of slope and of
+normals in degrees; of the mask of shadows it is the share of pixels that differ.
 The same samples are taken, and the Sun is a point, so that nothing else differs. Times are CPU
 seconds on one thread: of a frame of depth alone that finds no tiles kept, and then of one of rgb
 and labels that finds all.
@@ -21,7 +22,7 @@ CELLS = (0.25, 0.5, 1.0, 2.0, 4.0)
 FOV_DEG = 50.0
 VIEWS = {"orbit": (200e3, 0.0), "lander": (500.0, 45.0), "mast": (1.5, 70.0)}
 """Height, m, and angle off the nadir, degrees."""
-CHANNELS = ["rgb", "depth", "slope", "range"]
+CHANNELS = ["rgb", "depth", "slope", "normal", "shadow", "range"]
 
 
 def config(view: str, cells: float, width: int) -> dict[str, Any]:
@@ -64,14 +65,17 @@ def _rms(values: Any) -> float:
     return float(np.sqrt(np.mean(np.square(values))))
 
 
-def errors(a: dict[str, Any], b: dict[str, Any]) -> tuple[float, float, float]:
-    """Of rgb in DN, of depth in pixels' widths, of slope in degrees."""
+def errors(a: dict[str, Any], b: dict[str, Any]) -> tuple[float, ...]:
+    """Of rgb in DN, of depth in pixels' widths, of slope and normals in degrees, of shadows."""
     seen = (a["range"] > 0.0) & (b["range"] > 0.0)
     rgb = (a["rgb"].astype(float) - b["rgb"])[seen]
     pixel_rad = math.radians(FOV_DEG) / a["range"].shape[1]
     depth = ((a["depth"].astype(float) - b["depth"]) / (b["range"] * pixel_rad))[seen]
     slope = np.degrees((a["slope"].astype(float) - b["slope"])[seen])
-    return _rms(rgb), _rms(depth), _rms(slope)
+    cosine = (a["normal"].astype(float) * b["normal"]).sum(axis=-1)[seen]
+    normal = np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0)))
+    shadow = float((a["shadow"] != b["shadow"])[seen].mean())
+    return _rms(rgb), _rms(depth), _rms(slope), _rms(normal), shadow
 
 
 def main() -> None:
@@ -79,7 +83,8 @@ def main() -> None:
     parser.add_argument("--width", type=int, default=160)
     parser.add_argument("--reference", type=float, default=8.0, help="cells per pixel")
     options = parser.parse_args()
-    keys = ["view", "cells", "rgb_dn", "depth_pixels", "slope_deg", "first_s", "frame_s"]
+    keys = ["view", "cells", "rgb_dn", "depth_pixels", "slope_deg", "normal_deg", "shadow"]
+    keys += ["first_s", "frame_s"]
     rows: list[list[object]] = []
     for view in VIEWS:
         truth = picture(view, options.reference, options.width)[0]
@@ -87,7 +92,8 @@ def main() -> None:
             drawn, first_s, frame_s = picture(view, cells, options.width)
             found = errors(drawn.arrays, truth.arrays)
             rows.append([view, cells, *found, first_s, frame_s])
-    head = ["view", "cells/pixel", "rgb, DN", "depth, pixels", "slope, deg", "mesh, s", "frame, s"]
+    head = ["view", "cells/pixel", "rgb, DN", "depth, pixels", "slope, deg", "normal, deg"]
+    head += ["shadow", "mesh, s", "frame, s"]
     numbers = {
         "width": options.width,
         "reference": options.reference,

@@ -40,15 +40,19 @@ static int interpolation_of(const char *name, pl_raster_interpolation *out) {
   return -1;
 }
 
-/* Reads (raster, interpolation, border_posts, datum_m); the list `kept` gets the raster. */
-static int layer_of(PyObject *item, PyObject *kept, pl_terrain_layer *out) {
+/* Reads (raster, interpolation, border_posts, datum_m[, apron_m]); the list `kept` gets the raster.
+ */
+static int layer_of(PyObject *item, PyObject *kept, pl_terrain_layer *out, double *apron_m) {
   PyObject *raster;
   const char *name;
   if (!PyTuple_Check(item)) {
-    PyErr_SetString(PyExc_TypeError, "must be (raster, interpolation, border_posts, datum_m)");
+    PyErr_SetString(PyExc_TypeError,
+                    "must be (raster, interpolation, border_posts, datum_m[, apron_m])");
     return -1;
   }
-  if (!PyArg_ParseTuple(item, "Osdd:layer", &raster, &name, &out->border_posts, &out->datum_m) ||
+  *apron_m = 0.0;
+  if (!PyArg_ParseTuple(item, "Osdd|d:layer", &raster, &name, &out->border_posts, &out->datum_m,
+                        apron_m) ||
       interpolation_of(name, &out->interpolation) < 0)
     return -1;
   out->raster = pl_py_raster_of(raster);
@@ -56,7 +60,7 @@ static int layer_of(PyObject *item, PyObject *kept, pl_terrain_layer *out) {
 }
 
 static int layers_of(PyObject *layers, PyObject *kept, pl_terrain_layer out[PL_TERRAIN_LAYERS],
-                     size_t *count) {
+                     double aprons_m[PL_TERRAIN_LAYERS], size_t *count) {
   const Py_ssize_t size = PySequence_Size(layers);
   if (size < 0)
     return -1;
@@ -69,7 +73,7 @@ static int layers_of(PyObject *layers, PyObject *kept, pl_terrain_layer out[PL_T
     char where[32];
     PyOS_snprintf(where, sizeof where, "layer %zd", n);
     PyObject *item = PySequence_GetItem(layers, n);
-    const int failed = item == NULL || layer_of(item, kept, &out[n]) < 0;
+    const int failed = item == NULL || layer_of(item, kept, &out[n], &aprons_m[n]) < 0;
     Py_XDECREF(item);
     if (failed)
       return pl_py_prefix_error(where);
@@ -203,16 +207,19 @@ static int patch_of(PyObject *given, pl_terrain_patch *out) {
 
 static int create(terrain_object *self, const double radii_m[3], const parts *in) {
   pl_terrain_layer given[PL_TERRAIN_LAYERS];
+  double aprons_m[PL_TERRAIN_LAYERS];
   pl_raster_stack albedo, roughness, mask;
   pl_terrain_frame frame = {.radii_m = {radii_m[0], radii_m[1], radii_m[2]},
                             .layers = given,
+                            .aprons_m = aprons_m,
                             .albedo = &albedo,
                             .roughness = &roughness,
                             .mask = &mask,
                             .roughness_baseline_m = in->roughness_baseline_m};
   self->kept = PyList_New(0);
   if (self->kept == NULL ||
-      (in->layers != NULL && layers_of(in->layers, self->kept, given, &frame.layer_count) < 0) ||
+      (in->layers != NULL &&
+       layers_of(in->layers, self->kept, given, aprons_m, &frame.layer_count) < 0) ||
       detail_of(in->detail, radii_m[0], &frame.detail) < 0 ||
       craters_of(in->craters, self->kept, &frame.craters) < 0 ||
       rocks_of(in->rocks, self->kept, &frame.rocks) < 0 ||

@@ -61,6 +61,8 @@ bool pl_raster_find(const pl_raster *raster, pl_vec3 direction, double *u, doubl
  * a radius, m; about, at large distances. 0 on the raster, INFINITY where its map does not reach.
  */
 double pl_raster_outside_m(const pl_raster *raster, pl_vec3 direction, double radius_m);
+/* Whether its columns go around the body. */
+bool pl_raster_goes_round(const pl_raster *raster);
 /* Whether the raster is surely nowhere within `distance` (of unit vectors) of a unit direction:
  * a quick test, for one of many patches. */
 bool pl_raster_far(const pl_raster *raster, pl_vec3 direction, double distance);

@@ -11,6 +11,8 @@ int pl_raster_levels(const pl_raster *r) { return r->level_count; }
 
 bool pl_raster_whole(const pl_raster *r) { return r->wraps && r->crosses[0] && r->crosses[1]; }
 
+bool pl_raster_goes_round(const pl_raster *r) { return r->wraps; }
+
 double pl_raster_spacing_m(const pl_raster *r, double radius_m) {
   const pl_raster_frame *f = &r->frame;
   if (f->projection.kind == PL_PROJECTION_CYLINDRICAL)

@@ -80,6 +80,9 @@ static pl_status check(const pl_terrain_frame *frame) {
                    frame->layer_count, PL_TERRAIN_LAYERS);
   for (size_t n = 0; n < frame->layer_count; n++)
     PL_TRY(check_layer(&frame->layers[n], n));
+  for (size_t n = 0; frame->aprons_m != NULL && n < frame->layer_count; n++)
+    if (!(isfinite(frame->aprons_m[n]) && frame->aprons_m[n] >= 0.0))
+      return pl_fail(PL_E_RANGE, "layer %zu of a terrain: an apron of %g m", n, frame->aprons_m[n]);
   if (!(frame->roughness_baseline_m >= 0.0 && isfinite(frame->roughness_baseline_m)))
     return pl_fail(PL_E_RANGE, "roughness_baseline_m of a terrain must be at least 0, not %g",
                    frame->roughness_baseline_m);
@@ -167,6 +170,8 @@ pl_status pl_terrain_create(const pl_terrain_frame *frame, pl_terrain **out) {
   pl_slope_table_init(t, frame->roughness_baseline_m);
   if (status == PL_OK)
     status = refine_layers(&frame->detail, t);
+  if (status == PL_OK && frame->aprons_m != NULL)
+    status = pl_terrain_add_aprons(t, frame->aprons_m);
   if (status == PL_OK)
     status = copy_known(frame, t);
   if (status == PL_OK && frame->track_count > 0)
@@ -181,6 +186,8 @@ pl_status pl_terrain_create(const pl_terrain_frame *frame, pl_terrain **out) {
 void pl_terrain_destroy(pl_terrain *terrain) {
   if (terrain == NULL)
     return;
+  for (size_t n = 0; n < terrain->layer_count; n++)
+    pl_free(terrain->layers[n].apron);
   pl_free(terrain->layers);
   pl_free(terrain->known);
   pl_free(terrain->diamond);
@@ -298,6 +305,11 @@ void pl_terrain_bounds(const pl_terrain *terrain, double *low_m, double *high_m)
         PL_DETAIL_BOUND * pl_fractal_detail_deviation_m(&terrain->detail, 0, PL_CUBE_LEVELS - 1);
     widen(-q_m, q_m, low_m, high_m);
   }
+  for (size_t n = 0; n < terrain->layer_count; n++)
+    if (terrain->layers[n].apron != NULL) {
+      *low_m -= terrain->layers[n].apron->most_m;
+      *high_m += terrain->layers[n].apron->most_m;
+    }
   if (terrain->craters != NULL) {
     double below_m, above_m;
     pl_crater_bounds(terrain->craters, largest_crater_m(terrain), &below_m, &above_m);

@@ -58,6 +58,9 @@ typedef struct pl_terrain_frame {
   pl_vec3 radii_m;                /* of the body's ellipsoid */
   const pl_terrain_layer *layers; /* copied; each lies over those before it */
   size_t layer_count;             /* at most PL_TERRAIN_LAYERS */
+  /* Width of the ground around each layer that is raised or lowered to meet its edges
+   * (terrain/apron.h), 0: none; NULL: none of any. Not for a raster that goes around the body. */
+  const double *aprons_m;
   pl_terrain_detail detail;
   const pl_crater_field *craters;    /* borrowed; NULL: none */
   const struct pl_rock_field *rocks; /* borrowed; NULL: none */

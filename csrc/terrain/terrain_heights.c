@@ -15,12 +15,15 @@ typedef struct layer_strip {
   bool detailed;
   int levels;                       /* of diamond-square */
   bool here[STRIP], fractal[STRIP]; /* whether the layer counts; whether detail is added to it */
+  bool lifts;                       /* whether its apron adds to what is below it */
+  double lift_m[STRIP];
   double u[STRIP], v[STRIP], weight[STRIP];
   double sums_m[STRIP]; /* detail */
 } layer_strip;
 
 typedef struct work {
   const pl_terrain *terrain;
+  size_t above;      /* the first layer that is left out */
   int level, finest; /* of the lattice; of detail on it */
   pl_detail_strip strip;
   pl_vec3 directions[STRIP];
@@ -33,6 +36,7 @@ typedef struct work {
 
 static pl_status begin(work *w, const pl_terrain *terrain, int level) {
   w->terrain = terrain;
+  w->above = terrain->layer_count;
   w->level = level < 0 ? 0 : level < PL_CUBE_LEVELS ? level : PL_CUBE_LEVELS - 1;
   w->finest = w->level < terrain->detail.last ? w->level : terrain->detail.last;
   w->layers = w->few;
@@ -94,6 +98,17 @@ static bool see(work *w, layer_strip *at) {
   return used;
 }
 
+/* Writes what the layer's apron adds where something below the layer is seen; whether anything. */
+static bool lift(const work *w, layer_strip *at) {
+  const pl_apron *apron = w->terrain->layers[at->layer].apron;
+  at->lifts = false;
+  for (size_t k = 0; apron != NULL && k < w->strip.count; k++) {
+    at->lift_m[k] = w->bare[k] ? pl_apron_lift_m(apron, w->directions[k]) : 0.0;
+    at->lifts = at->lifts || at->lift_m[k] != 0.0;
+  }
+  return at->lifts;
+}
+
 /* Finds the layers that are seen: from the uppermost down to the first that covers all others. */
 static pl_status find_layers(work *w) {
   const pl_vec3 first = w->directions[0];
@@ -103,15 +118,17 @@ static pl_status find_layers(work *w) {
     reach = fmax(reach, pl_vec3_norm(pl_vec3_sub(w->directions[k], first)));
   }
   w->count = 0;
-  for (size_t n = w->terrain->layer_count; n-- > 0;) {
+  for (size_t n = w->above; n-- > 0;) {
     const pl_layer *layer = &w->terrain->layers[n];
-    if (pl_raster_far(layer->given.raster, first, reach))
+    const double apron_m = layer->apron != NULL ? layer->apron->width_m : 0.0;
+    if (pl_raster_far(layer->given.raster, first, reach + apron_m / w->terrain->radius_m))
       continue;
     PL_TRY(make_room(w));
     layer_strip *at = &w->layers[w->count];
     at->layer = (int)n;
     set_detail(w, layer, at);
-    if (see(w, at))
+    const bool seen = see(w, at);
+    if (lift(w, at) || seen)
       w->count++;
   }
   return PL_OK;
@@ -180,6 +197,8 @@ static void lay(work *w, layer_strip *at, double *heights_m) {
   const int pyramid = pyramid_level(w, layer);
   if (at->detailed)
     set_added(w, at);
+  for (size_t k = 0; at->lifts && k < w->strip.count; k++)
+    heights_m[k] += at->lift_m[k];
   for (size_t k = 0; k < w->strip.count; k++) {
     if (!at->here[k])
       continue;
@@ -217,6 +236,63 @@ static pl_status base_heights(work *w, const pl_vec3 *directions, size_t count, 
       w->directions[k] = directions[done + k];
     PL_TRY(evaluate(w, heights_m + done));
   }
+  return PL_OK;
+}
+
+pl_status pl_terrain_heights_below(const pl_terrain *terrain, size_t layers,
+                                   const pl_vec3 *directions, size_t count, int level,
+                                   double *heights_m) {
+  work w;
+  PL_TRY(begin(&w, terrain, level));
+  w.above = layers;
+  const pl_status status = base_heights(&w, directions, count, heights_m);
+  end(&w);
+  return status;
+}
+
+/* Mean height of a layer about a place, over cells of its pyramid that are as wide as its border,
+ * or a piece of the apron. */
+static double mean_height_m(const pl_terrain *terrain, const pl_layer *layer, double u, double v,
+                            pl_vec3 direction, double width_posts) {
+  const int pyramid = (int)fmax(rint(log2(width_posts)), 0.0);
+  double height_m = pl_raster_value(layer->given.raster, pyramid, u, v, PL_INTERPOLATION_BILINEAR);
+  if (layer->given.datum_m > 0.0)
+    height_m += layer->given.datum_m - pl_terrain_datum_m(terrain, direction);
+  return height_m;
+}
+
+static pl_status add_apron(pl_terrain *terrain, size_t n, double apron_m) {
+  pl_layer *layer = &terrain->layers[n];
+  const pl_raster *raster = layer->given.raster;
+  const pl_raster_frame *frame = pl_raster_frame_of(raster);
+  double u[PL_APRON_PLACES], v[PL_APRON_PLACES], below_m[PL_APRON_PLACES];
+  pl_vec3 directions[PL_APRON_PLACES];
+  void *memory;
+  pl_apron_places(raster, u, v);
+  for (int k = 0; k < PL_APRON_PLACES; k++)
+    directions[k] = pl_raster_direction(raster, u[k], v[k]);
+  const double posts = (double)(frame->width > frame->height ? frame->width : frame->height);
+  const double width_posts = fmax(layer->given.border_posts, posts / PL_APRON_PIECES);
+  const int level = pl_cube_level(width_posts * layer->spacing_m, terrain->radius_m);
+  PL_TRY(pl_terrain_heights_below(terrain, n, directions, PL_APRON_PLACES, level, below_m));
+  for (int k = 0; k < PL_APRON_PLACES; k++)
+    below_m[k] = mean_height_m(terrain, layer, u[k], v[k], directions[k], width_posts) - below_m[k];
+  PL_TRY(pl_alloc_or_fail(1, sizeof *layer->apron, "the apron of a raster", &memory));
+  pl_apron_init(raster, below_m, apron_m, terrain->radius_m, memory);
+  layer->apron = memory;
+  return PL_OK;
+}
+
+pl_status pl_terrain_add_aprons(pl_terrain *terrain, const double *aprons_m) {
+  for (size_t n = 0; n < terrain->layer_count; n++)
+    if (aprons_m[n] > 0.0) {
+      if (pl_raster_goes_round(terrain->layers[n].given.raster))
+        return pl_fail(PL_E_RANGE,
+                       "layer %zu of a terrain: an apron of a raster that goes around "
+                       "the body",
+                       n);
+      PL_TRY(add_apron(terrain, n, aprons_m[n]));
+    }
   return PL_OK;
 }
 

@@ -2,6 +2,7 @@
 #ifndef PL_TERRAIN_TERRAIN_PARTS_H
 #define PL_TERRAIN_TERRAIN_PARTS_H
 
+#include "terrain/apron.h"
 #include "terrain/diamond_square.h"
 #include "terrain/fractal_detail.h"
 #include "terrain/terrain.h"
@@ -13,8 +14,9 @@
 typedef struct pl_layer {
   pl_terrain_layer given;
   double spacing_m;
-  int coarsest; /* level of detail */
-  bool refined; /* by diamond-square, not by the sum of octaves */
+  int coarsest;    /* level of detail */
+  bool refined;    /* by diamond-square, not by the sum of octaves */
+  pl_apron *apron; /* owned, or NULL */
   pl_diamond_square diamond;
 } pl_layer;
 
@@ -56,6 +58,12 @@ struct pl_terrain {
   size_t texture_count;
 };
 
+/* Makes the aprons of layers; those below them have theirs. */
+pl_status pl_terrain_add_aprons(pl_terrain *terrain, const double *aprons_m);
+/* Writes heights without craters, textures and tracks, of the first `layers` rasters and detail. */
+pl_status pl_terrain_heights_below(const pl_terrain *terrain, size_t layers,
+                                   const pl_vec3 *directions, size_t count, int level,
+                                   double *heights_m);
 /* What the rasters show of craters. */
 pl_crater_model pl_terrain_crater_model(const pl_terrain *terrain);
 /* Copies and checks textures. */

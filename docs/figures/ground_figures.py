@@ -64,6 +64,23 @@ def suns() -> list[list[tuple[str, NDArray[np.uint8]]]]:
     return rows
 
 
+def apron() -> list[tuple[str, NDArray[np.uint8]]]:
+    """Titles and images: the patch of Apollo 15 from above, without and with its apron."""
+    path = CONFIGS / "apollo15.yaml"
+    above = {"kind": "hover", "target": "moon", "lon_deg": 3.6, "lat_deg": 26.1, "height_m": 1500.0}
+    changes = {"camera.width": 420, "camera.height": 315, "camera.trajectory": above}
+    sim = perilune.open(path, overrides=changes | {SUN_ELEVATION: 20.0})
+    rows = sim.config.bodies["moon"].terrain
+    assert rows is not None  # it is a scene of terrain
+    base, patch = (row.model_dump(exclude_unset=True) for row in rows.elevation)
+    out = []
+    for apron_m in (0.0, patch["apron_m"]):
+        model = patch | {"apron_m": apron_m}
+        changed = sim.with_overrides({"bodies.moon.terrain.elevation": [base, model]})
+        out.append((f"apron_m: {apron_m:g}", changed.frame(0, ["rgb"])["rgb"]))
+    return out
+
+
 def views() -> list[tuple[str, NDArray[np.uint8]]]:
     """Titles and images."""
     out = []

@@ -7,7 +7,7 @@ orbits. Figure 13: camera trajectories, sketched, with frames taken along them. 
 configs/demo.yaml with the changes below. `moon`: see moon_figures.py. Figure 8: a noise of three
 scales. Figure 10: foil under rising jitter. `materials`: a sheet of all ready materials.
 `light_curve`: an eclipse in low orbit. `glare` and `moon_sensor`: see sensor_figures.py. `shutter`:
-see shutter_figures.py. `shapes`: see shape_figures.py. `terrain`, `suns`, `tracks`: see
+see shutter_figures.py. `shapes`: see shape_figures.py. `terrain`, `suns`, `apron`, `tracks`: see
 ground_figures.py. `ground`: see ground_statistics.py. `lunar_...`: see
 lunar_paper.py. Needs the
 extra `plot`.
@@ -184,6 +184,10 @@ def suns() -> None:
     pictures("suns.png", ground_figures.suns(), 8.4)
 
 
+def apron() -> None:
+    pictures("apron.png", [ground_figures.apron()], 8.4)
+
+
 def tracks() -> None:
     pictures("tracks.png", [[ground_figures.tracks()]], 4.8)
 
@@ -328,6 +332,7 @@ FIGURES = {
     "glare": glare,
     "ground": ground,
     "suns": suns,
+    "apron": apron,
     "lunar_02": lunar_02,
     "lunar_03": lunar_03,
     "lunar_04": lunar_04,

@@ -102,7 +102,7 @@ class Terrain:
     """Heights of a body's ground over its ellipsoid, along directions from its centre: rasters, from
     coarse to fine, and fractal detail of wavelengths below their posts, which stay to the bit."""
     def __new__(
-        cls, radii_m: F64, layers: Sequence[tuple[Raster, str, float, float]] = ...,
+        cls, radii_m: F64, layers: Sequence[tuple[object, ...]] = ...,
         detail: Mapping[str, object] | None = None, craters: CraterField | None = None,
         rocks: RockField | None = None, albedo: Sequence[tuple[Raster, float]] | None = None,
         roughness: Sequence[tuple[Raster, float]] | None = None,
@@ -112,10 +112,10 @@ class Terrain:
         tracks: Sequence[tuple[F64, float, float, float, float, float, float, float]] | None = None,
         textures: Sequence[tuple[Raster | None, Raster | None, Raster | None, float, int]] | None = None,
     ) -> Self:
-        """radii_m: (3,) of the ellipsoid. layers: (raster, interpolation, border_posts, datum_m), each
-        over those before it: interpolation "bilinear" | "cubic"; the border is the width of blending
+        """radii_m: (3,) of the ellipsoid. layers: (Raster, interpolation,
+        border_posts, datum_m), and apron_m or none, each over those before it: interpolation "bilinear" | "cubic"; the border is the width of blending
         into the layers below; datum_m: radius of the sphere that heights are over, 0 for the
-        ellipsoid. detail: None for none; keys, all optional: method ("noise" |
+        ellipsoid; apron_m: width of the ground beside it that is raised or lowered to meet its edges. detail: None for none; keys, all optional: method ("noise" |
         "diamond_square"), seed (0 to 2^64 - 1), ranges [(from_m,
         hurst), ...] (the first from 0), baseline_m and deviation_m (RMS difference of heights over
         that baseline), strength (factor of heights), longest_m and finest_m (widest and narrowest

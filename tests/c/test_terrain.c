@@ -375,6 +375,58 @@ static void test_many_patches(void **state) {
   teardown(&g);
 }
 
+/* A patch 100 m above the body's model, and tilted: with an apron the ground meets its edges all
+ * around; posts stay, far ground has the same bits, slopes are small, bounds hold. */
+static void test_apron(void **state) {
+  (void)state;
+  static ground g;
+  setup(&g, 4);
+  pl_raster_frame frame = *pl_raster_frame_of(g.patch);
+  static float tilted[SIDE * SIDE];
+  for (int k = 0; k < SIDE * SIDE; k++)
+    tilted[k] = (float)(100.0 + 0.5 * (k % SIDE) - 1.5 * (double)(k / SIDE)) + 0.02F * g.samples[k];
+  frame.samples = tilted;
+  pl_raster *patch;
+  assert_int_equal(pl_raster_create(&frame, &patch), PL_OK);
+  const pl_terrain_layer layers[2] = {{g.body, PL_INTERPOLATION_CUBIC, 0.0, 0.0},
+                                      {patch, PL_INTERPOLATION_CUBIC, 4.0, 0.0}};
+  const double aprons_m[2] = {0.0, 500.0};
+  pl_terrain_frame given = {
+      .radii_m = {RADIUS_M, RADIUS_M, RADIUS_M}, .layers = layers, .layer_count = 2};
+  pl_terrain *with, *without;
+  assert_int_equal(pl_terrain_create(&given, &without), PL_OK);
+  given.aprons_m = aprons_m;
+  assert_int_equal(pl_terrain_create(&given, &with), PL_OK);
+  double low_m, high_m, steepest = 0.0, wall = 0.0;
+  pl_terrain_bounds(with, &low_m, &high_m);
+  for (int way = 0; way < 24; way++) { /* from the middle outwards, in all directions */
+    const double x = cos(way * PL_PI / 12.0), y = sin(way * PL_PI / 12.0);
+    double before[2] = {(double)NAN, (double)NAN};
+    for (double out = 0.0; out < 60.0; out += 0.05) {
+      const double u = 19.5 + out * x, v = 19.5 + out * y,
+                   beside = fmax(fabs(out * x), fabs(out * y));
+      const pl_vec3 d = pl_raster_direction(patch, u, v);
+      const double h = pl_terrain_height(with, d, 24), plain = pl_terrain_height(without, d, 24);
+      assert_true(h >= low_m && h <= high_m);
+      if (beside < 15.9 ||
+          hypot(fmax(fabs(out * x) - 20.0, 0.0), fmax(fabs(out * y) - 20.0, 0.0)) > 25.001)
+        assert_true(h == plain);
+      if (beside > 19.0 && beside < 21.0)
+        assert_true(fabs(h - (100.0 + 0.5 * fmin(fmax(u, 0.0), 39.0) -
+                              1.5 * fmin(fmax(v, 0.0), 39.0))) < 4.0);
+      steepest = fmax(steepest, fabs(h - before[0]));
+      wall = fmax(wall, fabs(plain - before[1]));
+      before[0] = h;
+      before[1] = plain;
+    }
+  }
+  assert_true(steepest < 0.5 && wall > 2.0); /* a metre a step */
+  pl_terrain_destroy(with);
+  pl_terrain_destroy(without);
+  pl_raster_destroy(patch);
+  teardown(&g);
+}
+
 static void test_refusals(void **state) {
   (void)state;
   static ground g;
@@ -397,6 +449,14 @@ static void test_refusals(void **state) {
   bad.layers = &layer;
   layer.raster = NULL;
   expect_refused(bad, PL_E_ARGUMENT);
+  double apron_m = (double)NAN;
+  bad = frame;
+  bad.aprons_m = &apron_m;
+  expect_refused(bad, PL_E_RANGE);
+  apron_m = 100.0; /* of a raster that goes around the body */
+  expect_refused(bad, PL_E_RANGE);
+  bad = frame;
+  bad.layers = &layer;
   layer = good;
   layer.border_posts = -1.0;
   expect_refused(bad, PL_E_RANGE);
@@ -417,6 +477,7 @@ int main(void) {
       cmocka_unit_test(test_levels),
       cmocka_unit_test(test_craters),
       cmocka_unit_test(test_many_patches),
+      cmocka_unit_test(test_apron),
       cmocka_unit_test(test_refusals),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

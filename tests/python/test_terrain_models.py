@@ -9,12 +9,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+import perilune
 from perilune import _core
 from perilune.bodies.elevation import ElevationRaster, read_elevation
 from perilune.bodies.terrain import core_terrain
 from perilune.config.elevation import Elevation
 from perilune.config.terrain import Terrain
 
+CONFIGS = Path(__file__).resolve().parents[2] / "configs"
 RADIUS_M = 1737400.0
 RADII_M = np.full(3, RADIUS_M)
 LOLA: dict[str, Any] = {
@@ -115,3 +117,54 @@ def test_a_patch_in_another_projection_fits(data_dir: Path) -> None:
     directions = frame.directions(anywhere)
     change = both.heights(directions) - one.heights(directions)
     assert np.abs(change).max() < 0.02 * np.ptp(samples)
+
+
+def test_an_apron_takes_the_walls_from_the_border(data_dir: Path) -> None:
+    """LOLA is up to 40 m off the patch at its edges."""
+    x = np.linspace(-620.0, 620.0, 63)
+    east, north = (place.ravel() for place in np.meshgrid(x, x))
+    beside = np.maximum(np.abs(east), np.abs(north))
+    base = lola(data_dir, interpolation="cubic")
+    keys = {"interpolation": "cubic", "destep": True, "border_posts": 32.0, "offset_m": -1895.0}
+    patch = apollo(data_dir, **keys)
+    posts = np.stack([128.0 + east / 2.0, 128.0 - north / 2.0], axis=1)
+    directions = patch.raster.directions(posts)
+
+    def slopes_deg(apron_m: float) -> F64:
+        plain = {"detail": {"baseline_m": 17.0, "deviation_m": 1.0}}
+        ground = terrain(base, apollo(data_dir, **keys, apron_m=apron_m), **plain)
+        slopes: F64 = np.hypot.reduce(ground.slopes(directions, baseline_m=17.0), axis=1)
+        return np.degrees(np.arctan(slopes))
+
+    walls, meets = slopes_deg(0.0), slopes_deg(400.0)
+    border = (beside > 193.0) & (beside < 257.0)
+    assert np.median(walls[border]) > 14.0
+    assert np.median(meets[border]) < 8.0
+    assert np.percentile(walls[border], 99) > 40.0
+    assert np.percentile(meets[border], 99) < 22.0
+    np.testing.assert_array_equal(meets[beside < 170.0], walls[beside < 170.0])
+
+
+def test_the_sun_of_apollo_15_rises_over_mountains(data_dir: Path) -> None:
+    """East of the site LOLA's mountains stand 6.6 degrees high, 23 km away: by a march over heights
+    in NumPy. With the Sun at 5 degrees the ground is in their shadow, at 9 it is not."""
+    sim = perilune.open(
+        CONFIGS / "apollo15.yaml", overrides={"camera.width": 16, "camera.height": 12}
+    )
+    lon, lat, azimuth = np.radians([3.6, 26.1, 95.0])
+    up = np.array([math.cos(lat) * math.cos(lon), math.cos(lat) * math.sin(lon), math.sin(lat)])
+    east = np.array([-math.sin(lon), math.cos(lon), 0.0])
+    way = math.cos(azimuth) * np.cross(up, east) + math.sin(azimuth) * east
+    angle = np.linspace(1e3, 1e5, 500) / RADIUS_M
+    places = np.cos(angle)[:, None] * up + np.sin(angle)[:, None] * way
+    away = RADIUS_M + sim.terrain(0).heights(np.vstack([up, places]))
+    over = away[1:] * np.cos(angle) - away[0]
+    seen_deg = np.degrees(np.arctan2(over, away[1:] * np.sin(angle)))
+    assert 6.0 < seen_deg.max() < 7.0
+    assert 2.2e4 < RADIUS_M * angle[seen_deg.argmax()] < 2.4e4
+    for sun_deg, least, most in ((5.0, 1.0, 1.0), (9.0, 0.0, 0.4)):
+        turned = sim.with_overrides({"sun.at.elevation_deg": sun_deg})
+        sample = turned.frame(0, ["shadow", "range"])
+        near = (sample["range"] > 0.0) & (sample["range"] < 500.0)
+        share = sample["shadow"][near].mean()
+        assert least <= share <= most

@@ -50,6 +50,8 @@ class ElevationRaster:
     """The file."""
     interpolation: str = "bilinear"
     border_posts: float = 0.0
+    apron_m: float = 0.0
+    """Width of the ground around it that is raised or lowered to meet its edges."""
     datum_m: float = 0.0
     """Radius of the sphere that heights are over; 0: over the body's ellipsoid."""
     missing: float = 0.0
@@ -100,12 +102,14 @@ def read_elevation(
         offset_m, datum_m = offset_m + (datum_m - radii_m[0]), None  # over the body's own sphere
     found = ElevationRaster(
         samples, place, scale_m, offset_m, str(path), given.interpolation, given.border_posts,
-        datum_m or 0.0, missing, remarks,
+        given.apron_m, datum_m or 0.0, missing, remarks,
     )  # fmt: skip
     try:
         low_m, _ = found.raster.bounds()  # of which the place is checked, too
     except ValueError as error:
         raise ValueError(f"projection: {path}: {error}") from None
+    if given.apron_m > 0.0 and place.goes_round(samples.shape[1]):
+        raise ValueError(f"apron_m: {path}: goes around the body: there is no ground beside it")
     check_depth(low_m, found.datum_m or min(radii_m), path)
     return found
 

@@ -95,7 +95,9 @@ def core_terrain(
     catalogue: of CATALOGUED. geodetic: the latitudes of sites. textures: what
     textures were read to. rock_models: what models of rocks were read to. Raises ValueError."""
     whole = [patch for row in rasters for patch in with_patches(row, float(radii_m[0]))]
-    layers = [(row.raster, row.interpolation, row.border_posts, row.datum_m) for row in whole]
+    layers = [
+        (row.raster, row.interpolation, row.border_posts, row.datum_m, row.apron_m) for row in whole
+    ]
     detail = None if given.detail is None else _detail(given.detail)
     if detail is not None and given.detail is not None and given.detail.from_elevation:
         detail |= _measured(rasters[-1], float(radii_m[0]))

@@ -12,6 +12,7 @@ from perilune.config.types import (
     FileName,
     Finite,
     Latitudes,
+    NonNegative,
     Positive,
     StaticFinite,
     Strict,
@@ -166,6 +167,10 @@ class Elevation(Strict):
     border_posts: _Posts = 8.0
     """Width of the border in which a patch fades into what lies below it; at most half of the
     patch."""
+    apron_m: Annotated[NonNegative, BeforeValidator(refuse_drawn)] = 0.0
+    """Width of the ground around a patch that is raised or lowered to meet its edges, where it does
+    not agree with what lies below it; posts there of what lies below move. 0: none, and a
+    disagreement shows as a wall in the border."""
     destep: Annotated[bool, Field(strict=True)] = False
     """Smooths the terraces of heights in whole numbers. No post moves by more than half a unit of
     the file's numbers."""
