@@ -318,6 +318,57 @@ def test_planted_faults_are_told(frame, plant):
     assert any(re.search(PLANTED[plant], line) for line in lines), lines
 
 
+def edited(name, change):
+    """A change of a JSON member of a BOP shard."""
+
+    def to(record, members):
+        (key,) = (key for key in members if key.endswith(f".{name}.json"))
+        told = json.loads(members[key])
+        change(told)
+        members[key] = json.dumps(told).encode()
+
+    return to
+
+
+def move(record, _):
+    record["objects"][0]["t_m2c"][0] += 0.01
+
+
+OF_POSES = {
+    ("speed", "a pose"): (move, "object 'probe': its pose is not that of its record"),
+    ("bop-webdataset", "a pose"): (move, "gt.json does not have the poses of its record"),
+    ("bop-webdataset", "intrinsics"): (
+        edited("camera", lambda told: told["cam_K"].__setitem__(0, 1.0)),
+        "camera.json does not have the intrinsics of its record",
+    ),
+    ("bop-webdataset", "counts"): (
+        edited("gt_info", lambda told: told[0].update(px_count_valid=1)),
+        "object 'probe': gt_info.json is not that of its masks",
+    ),
+    ("bop-webdataset", "what is seen"): (
+        edited("mask_visib", lambda told: told["0"].update(counts=[0, 48 * 36])),
+        "object 'probe': is seen outside of its mask",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", OF_POSES, ids=" ".join)
+def test_faults_of_poses_and_masks_are_told(good, case):
+    change, expected = OF_POSES[case]
+    fmt, folder = FORMATS[case[0]], good / case[0]
+    info = json.loads((folder / "dataset_info.json").read_text())
+    record = records.read(folder / "frames/000000.json")
+    if fmt.pack_name is None:
+        members = {name: (folder / name).read_bytes() for name in record["files"]}
+    else:
+        with fmt.unpack(folder / fmt.pack_name.format(chunk=0)) as reader:
+            members = {name: reader.read(name) for name in record["files"]}
+    arrays = fmt.decode(info, record, members.__getitem__)
+    assert list(fmt.faults(info, record, arrays, members.__getitem__)) == []
+    change(record, members)
+    assert expected in list(fmt.faults(info, record, arrays, members.__getitem__))
+
+
 def test_arrays_come_back_from_npy():
     table = np.zeros(3, dtype=[("a", "f8"), ("b", "i4", (4,))])
     assert from_npy(npy(table)).dtype == table.dtype

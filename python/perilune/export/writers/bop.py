@@ -69,6 +69,7 @@ _MASK_ON = np.uint8(255)
 def _motion_entry(motion: F64, origin_m: F64) -> list[float]:
     """Converts a motion (4, 4) in the object's frame, m, to one in the BOP model's frame, mm, row
     by row."""
+    motion = np.asarray(motion, dtype=np.float64)  # of a record, a list
     moved = motion.copy()
     moved[:3, 3] = MM_PER_M * (motion[:3, :3] @ origin_m + motion[:3, 3] - origin_m)
     return [float(value) for value in moved.ravel()]

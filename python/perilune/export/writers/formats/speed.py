@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -24,6 +24,17 @@ from perilune.export.writers.formats.pixels import from_png, png
 from perilune.simulation import Simulation
 
 TARGET = "target"
+
+
+def _pose(info: Info, record: Record) -> dict[str, Any]:
+    """An entry of the list of poses."""
+    (row,) = [row for row in record["objects"] if row["name"] == info[TARGET]]
+    q = rotations.from_matrix(np.array(row["R_m2c"], dtype=np.float64).reshape(3, 3))
+    return {
+        "filename": f"{record['index']:06d}.png",
+        "q_vbs2tango_true": q.tolist(),
+        "r_Vo2To_vbs_true": row["t_m2c"],
+    }
 
 
 class Speed(Format):
@@ -85,14 +96,8 @@ class Speed(Format):
 
     def encode(self, info: Info, frame: Frame) -> Encoded:
         """The picture, and the pose for `finish`."""
-        (row,) = [row for row in frame.record["objects"] if row["name"] == info[TARGET]]
-        q = rotations.from_matrix(np.array(row["R_m2c"], dtype=np.float64).reshape(3, 3))
-        pose = {
-            "filename": f"{frame.key}.png",
-            "q_vbs2tango_true": q.tolist(),
-            "r_Vo2To_vbs_true": row["t_m2c"],
-        }
-        return Encoded({f"images/{frame.key}.png": png(frame.arrays[info["picture"]])}, pose)
+        picture = png(frame.arrays[info["picture"]])
+        return Encoded({f"images/{frame.key}.png": picture}, _pose(info, frame.record))
 
     def finish(
         self, info: Info, records: Callable[[], Iterator[Record]]
@@ -111,3 +116,10 @@ class Speed(Format):
     def decode(self, info: Info, record: Record, read: Callable[[str], bytes]) -> dict[str, Array]:
         """The picture."""
         return {info["picture"]: from_png(read(f"images/{record['index']:06d}.png"))}
+
+    def faults(
+        self, info: Info, record: Record, arrays: Mapping[str, Array], read: Callable[[str], bytes]
+    ) -> Iterator[str]:
+        """A pose that is not that of the object."""
+        if record["labels"] != _pose(info, record):
+            yield f"object '{info[TARGET]}': its pose is not that of its record"
