@@ -45,7 +45,7 @@ double pl_view_radiance_max(const pl_view *view) {
 double pl_view_media_max(const pl_view *view) {
   double sum = 0.0;
   for (size_t i = 0; i < view->entity_count; i++)
-    sum += view->entities[i].rings_in_frame ? view->entities[i].rings_light : 0.0;
+    sum += pl_view_shows_rings(&view->entities[i]) ? view->entities[i].rings->light : 0.0;
   for (size_t i = 0; i < view->volume_count; i++)
     if (view->volumes[i].in_frame)
       sum += view->volumes[i].scattered + view->volumes[i].emitted;
@@ -224,9 +224,9 @@ double pl_view_series(const pl_view *view, int bounces) {
   return sum;
 }
 
-pl_view_entity pl_view_rings(const pl_view_entity *body) {
+pl_view_entity pl_view_ring_sphere(const pl_view_entity *body) {
   pl_view_entity shell = *body;
-  shell.radius_m = body->rings_radius_m;
+  shell.radius_m = body->rings->radius_m;
   return shell;
 }
 
@@ -248,10 +248,10 @@ double pl_view_received(const pl_view *view, size_t i) {
   sum += pl_view_sum_light(view, receiver);
   for (size_t k = 0; (view->tree == NULL || view->tree->ringed) && k < view->entity_count; k++) {
     const pl_view_entity *source = &view->entities[k];
-    if (k == i || !(source->rings_radius_m > 0.0))
+    if (k == i || source->rings == NULL)
       continue;
-    const pl_view_entity shell = pl_view_rings(source);
-    sum += pl_view_transfer(receiver, &shell) * source->rings_light;
+    const pl_view_entity shell = pl_view_ring_sphere(source);
+    sum += pl_view_transfer(receiver, &shell) * source->rings->light;
   }
   return sum;
 }

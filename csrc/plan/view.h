@@ -18,6 +18,21 @@ typedef struct pl_view_lods {
   const float *off[PL_VIEW_LODS - 1];
 } pl_view_lods;
 
+/* Colour map of a body. */
+typedef struct pl_view_map {
+  const float *ranges; /* as in pl_texture_ranges; borrowed; NULL without a map */
+  int levels;
+  double texels_per_m; /* the smallest density */
+} pl_view_map;
+/* Rings of a body. */
+typedef struct pl_view_rings {
+  bool in_frame;   /* a sphere that encloses them touches the frustum */
+  double radius_m; /* the outer one */
+  double axis[3];  /* unit normal, root axes */
+  double depth;    /* largest optical depth along the normal */
+  double light;    /* upper bound of their radiance, W m-2 sr-1 */
+} pl_view_rings;
+
 struct pl_air;
 struct pl_clouds;
 
@@ -39,11 +54,7 @@ typedef struct pl_view_entity {
   double emission_max;     /* W m-2 sr-1, night lights included */
   double coat_max;         /* largest weight of a clear coat, 0..1 */
   double transmission_max; /* largest part of the light that is transmitted by a surface, 0..1 */
-  /* Body with a map: ranges as in pl_texture_ranges, and the smallest texel density, 1/m; NULL
-   * without a map. */
-  const float *map_ranges;
-  int map_levels;
-  double map_texels_per_m;
+  pl_view_map map;
   bool graphed;  /* body whose surface is a material graph */
   bool pictured; /* mesh or graph with textures of more than one colour */
   bool bumped;   /* has a normal map or bump map */
@@ -58,12 +69,8 @@ typedef struct pl_view_entity {
   bool air_in_frame; /* the sphere that encloses the atmosphere touches the frustum */
   /* borrowed; used only by the row in shade/; NULL without clouds */
   const struct pl_clouds *clouds;
-  bool clouds_in_frame;  /* the shell of the clouds touches the frustum */
-  double rings_radius_m; /* outer radius of a body's rings; 0 without rings */
-  bool rings_in_frame;   /* a sphere that encloses the rings touches the frustum */
-  double rings_axis[3];  /* unit normal of the rings, root axes */
-  double rings_depth;    /* largest optical depth along the normal */
-  double rings_light;    /* upper bound of the rings' radiance, W m-2 sr-1 */
+  bool clouds_in_frame;       /* the shell of the clouds touches the frustum */
+  const pl_view_rings *rings; /* borrowed; NULL without rings */
   /* reflectance levels of detail of a body in the frame, or NULL if it has none */
   const pl_view_lods *lods;
 } pl_view_entity;
@@ -187,8 +194,13 @@ double pl_view_light_at(const pl_view *view, const pl_view_entity *receiver,
                         const pl_view_entity *source);
 /* Upper bound of the radiance that `receiver` reflects of the light of volumes, W m-2 sr-1. */
 double pl_view_from_volumes(const pl_view *view, const pl_view_entity *receiver);
-/* Returns the rings of a body as if they were an object: the sphere that encloses them. */
-pl_view_entity pl_view_rings(const pl_view_entity *body);
+/* Whether a body's rings may be in the frame. */
+static inline bool pl_view_shows_rings(const pl_view_entity *body) {
+  return body->rings != NULL && body->rings->in_frame;
+}
+/* Returns the rings of a body, which has some, as if they were an object: the sphere that encloses
+ * them. */
+pl_view_entity pl_view_ring_sphere(const pl_view_entity *body);
 /* Returns 1 + r + r^2 + ..., `bounces` terms, where r is the largest albedo in the scene: the gain
  * by interreflection. */
 double pl_view_series(const pl_view *view, int bounces);

@@ -160,7 +160,7 @@ pl_status pl_view_tree_build(pl_arena *arena, pl_view *view) {
   pl_view_node *leaves = nodes + 2 * count; /* a tree has fewer inner nodes than leaves */
   for (size_t i = 0; i < count; i++) {
     leaves[i] = leaf_of(view, i);
-    tree->ringed |= view->entities[i].rings_radius_m > 0.0;
+    tree->ringed |= view->entities[i].rings != NULL;
     tree->albedo_max = fmax(tree->albedo_max, fmin(1.0, view->entities[i].albedo_max));
   }
   add_tree(tree, leaves, count);

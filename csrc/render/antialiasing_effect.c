@@ -7,7 +7,7 @@ static const char *absent(const pl_view *view) {
   if (view->sun_in_frame)
     return NULL;
   for (size_t i = 0; i < view->entity_count; i++)
-    if (view->entities[i].in_frame || view->entities[i].rings_in_frame)
+    if (view->entities[i].in_frame || pl_view_shows_rings(&view->entities[i]))
       return NULL;
   for (size_t i = 0; i < view->volume_count; i++)
     if (view->volumes[i].in_frame)

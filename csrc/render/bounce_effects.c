@@ -28,9 +28,10 @@ static double return_of(const pl_view *view, const pl_view_entity *entity) {
     return fmin(entity->albedo_max, 1.0); /* its sky may be filled by itself */
   double sum = pl_view_sum_sky(view, entity);
   for (size_t k = 0; (view->tree == NULL || view->tree->ringed) && k < view->entity_count; k++) {
-    const pl_view_entity rings = pl_view_rings(&view->entities[k]);
-    if (&view->entities[k] != entity && rings.radius_m > 0.0)
-      sum += pl_view_transfer(entity, &rings);
+    if (&view->entities[k] == entity || view->entities[k].rings == NULL)
+      continue;
+    const pl_view_entity rings = pl_view_ring_sphere(&view->entities[k]);
+    sum += pl_view_transfer(entity, &rings);
   }
   return fmin(1.0, sum);
 }
@@ -43,8 +44,9 @@ static double bound_dn(const pl_view *view, int value) {
   for (size_t i = 0; i < view->entity_count; i++) {
     largest = fmax(largest, return_of(view, &view->entities[i]));
     volumes = fmax(volumes, pl_view_from_volumes(view, &view->entities[i]));
-    light = fmax(light,
-                 fmax(pl_view_light_most(view, &view->entities[i]), view->entities[i].rings_light));
+    light = fmax(light, pl_view_light_most(view, &view->entities[i]));
+    if (view->entities[i].rings != NULL)
+      light = fmax(light, view->entities[i].rings->light);
   }
   for (size_t i = 0; i < view->entity_count; i++) {
     const pl_view_entity *entity = &view->entities[i];

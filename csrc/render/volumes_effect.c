@@ -22,7 +22,7 @@ typedef struct share {
 /* Whether there are other media that a volume may shadow: other volumes, clouds, rings. */
 static bool shades_media(const pl_view *view) {
   for (size_t i = 0; i < view->entity_count; i++)
-    if (view->entities[i].clouds != NULL || view->entities[i].rings_radius_m > 0.0)
+    if (view->entities[i].clouds != NULL || view->entities[i].rings != NULL)
       return true;
   return view->volume_count > 1;
 }

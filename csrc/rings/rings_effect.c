@@ -14,18 +14,18 @@ static double dot(const double a[3], const double b[3]) {
 static double longest(const pl_view_entity *body, const double point_m[3], double margin_m) {
   const double from[3] = {point_m[0] - body->center_m[0], point_m[1] - body->center_m[1],
                           point_m[2] - body->center_m[2]};
-  const double height = fabs(dot(body->rings_axis, from)) - margin_m;
-  const double far = sqrt(dot(from, from)) + margin_m + body->rings_radius_m;
+  const double height = fabs(dot(body->rings->axis, from)) - margin_m;
+  const double far = sqrt(dot(from, from)) + margin_m + body->rings->radius_m;
   return height > 0.0 ? far / height : INFINITY;
 }
 
 static double opacity(const pl_view_entity *body, double path) {
-  return body->rings_depth > 0.0 ? -expm1(-body->rings_depth * path) : 0.0;
+  return body->rings->depth > 0.0 ? -expm1(-body->rings->depth * path) : 0.0;
 }
 
 /* True if sunlight crosses the rings on its way to an object or body in the frame. */
 static bool shades(const pl_view *view, const pl_view_entity *body) {
-  const pl_view_entity shell = pl_view_rings(body);
+  const pl_view_entity shell = pl_view_ring_sphere(body);
   for (size_t i = 0; i < view->entity_count; i++)
     if (view->entities[i].in_frame && pl_view_shadow_reaches(view, &shell, &view->entities[i]))
       return true;
@@ -52,7 +52,7 @@ static double kept_back(double depth, const pl_view_entity *receiver,
  * lose of the light from others. Light that a body receives from its own rings is neglected at
  * every value of the effect. `lit`: relative path length of sunlight through the rings. */
 static double reflected(const pl_view *view, const pl_view_entity *body, double lit) {
-  const pl_view_entity shell = pl_view_rings(body);
+  const pl_view_entity shell = pl_view_ring_sphere(body);
   double most = 0.0;
   for (size_t i = 0; i < view->entity_count; i++) {
     const pl_view_entity *entity = &view->entities[i];
@@ -60,12 +60,12 @@ static double reflected(const pl_view *view, const pl_view_entity *body, double 
       continue;
     double sum = 0.0;
     if (entity != body)
-      sum = pl_view_transfer(entity, &shell) * body->rings_light *
-            fmin(1.0, kept_back(body->rings_depth, entity, &shell) + body->rings_depth * lit);
+      sum = pl_view_transfer(entity, &shell) * body->rings->light *
+            fmin(1.0, kept_back(body->rings->depth, entity, &shell) + body->rings->depth * lit);
     for (size_t k = 0; k < view->entity_count; k++)
       if (k != i)
         sum += pl_view_transfer(entity, &view->entities[k]) * pl_view_light(&view->entities[k]) *
-               kept_back(body->rings_depth, entity, &view->entities[k]);
+               kept_back(body->rings->depth, entity, &view->entities[k]);
     most = fmax(most, sum);
   }
   return most * pl_view_series(view, view->max_bounces);
@@ -75,9 +75,9 @@ static const char *absent(const pl_view *view) {
   bool any = false;
   for (size_t i = 0; i < view->entity_count; i++) {
     const pl_view_entity *entity = &view->entities[i];
-    if (!(entity->rings_radius_m > 0.0))
+    if (entity->rings == NULL)
       continue;
-    if (entity->rings_in_frame || shades(view, entity) || reflected(view, entity, INFINITY) > 0.0)
+    if (entity->rings->in_frame || shades(view, entity) || reflected(view, entity, INFINITY) > 0.0)
       return NULL;
     any = true;
   }
@@ -91,22 +91,22 @@ static double missing_dn(const pl_view *view, const pl_view_entity *body) {
   double sum = pl_view_dn(view, reflected(view, body, lit));
   if (shades(view, body))
     sum += pl_view_dn_dimming(opacity(body, lit));
-  if (!body->rings_in_frame)
+  if (!body->rings->in_frame)
     return sum;
   const double hidden = opacity(body, seen);
   if (view->sun_in_frame && hidden > 0.0)
     return pl_view_dn(view, INFINITY);
   /* Single scattering returns at most the optical depth along both paths. */
   const double scattered =
-      body->rings_depth > 0.0 ? fmin(1.0, body->rings_depth * (seen + lit)) : 0.0;
-  return sum + pl_view_dn(view, scattered * body->rings_light) + pl_view_dn_dimming(hidden) +
+      body->rings->depth > 0.0 ? fmin(1.0, body->rings->depth * (seen + lit)) : 0.0;
+  return sum + pl_view_dn(view, scattered * body->rings->light) + pl_view_dn_dimming(hidden) +
          pl_view_sky_dn(view, hidden * pl_view_sky_max(view));
 }
 
 static double bound_dn(const pl_view *view, int value) {
   double sum = 0.0;
   for (size_t i = 0; value == 0 && i < view->entity_count; i++)
-    if (view->entities[i].rings_radius_m > 0.0)
+    if (view->entities[i].rings != NULL)
       sum += missing_dn(view, &view->entities[i]);
   return fmin(sum, 255.0);
 }

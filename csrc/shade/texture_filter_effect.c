@@ -10,7 +10,7 @@
 static const double MARGIN = 0.249;
 
 static bool is_pictured(const pl_view_entity *entity) {
-  return entity->pictured || (entity->map_ranges != NULL && entity->map_ranges[0] > 0.0f);
+  return entity->pictured || (entity->map.ranges != NULL && entity->map.ranges[0] > 0.0f);
 }
 
 static const char *absent(const pl_view *view) {
@@ -28,7 +28,7 @@ static int ceiling(const pl_view *view) { return view->texture_filter; }
 static double texels(const pl_view *view, const pl_view_entity *entity) {
   const double spread = view->pixel_rad / sqrt(fmax(1.0, view->samples));
   const double nearest = fmax(0.0, entity->distance_m - entity->radius_m);
-  return MARGIN * spread * nearest * entity->map_texels_per_m;
+  return MARGIN * spread * nearest * entity->map.texels_per_m;
 }
 
 /* Upper bound of the change of an object's colour by the filter `value`, 0..1: filters average
@@ -36,12 +36,12 @@ static double texels(const pl_view *view, const pl_view_entity *entity) {
 static double change(const pl_view *view, const pl_view_entity *entity, int value) {
   if (!is_pictured(entity))
     return 0.0;
-  if (entity->pictured || entity->map_ranges == NULL)
+  if (entity->pictured || entity->map.ranges == NULL)
     return 1.0;
   const double across = texels(view, entity);
   int level = value > PL_FILTER_NONE && across > 1.0 ? (int)log2(across) : 0;
-  level = level < entity->map_levels ? level : entity->map_levels - 1;
-  return (double)entity->map_ranges[level];
+  level = level < entity->map.levels ? level : entity->map.levels - 1;
+  return (double)entity->map.ranges[level];
 }
 
 typedef struct filtered {

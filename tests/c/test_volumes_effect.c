@@ -190,7 +190,7 @@ static void test_shadow_on_rings(void **state) {
                         .volume_steps = 32,
                         .sky = {.white_radiance = 100.0}};
   assert_non_null(row->absent(&view));
-  body.rings_radius_m = 60.0;
+  body.rings = &(pl_view_rings){.radius_m = 60.0};
   assert_null(row->absent(&view));
   assert_true(row->bound_dn(&view, 0) > 20.0);
   assert_true(row->bound_dn(&view, 31) == row->bound_dn(&view, 0));
