@@ -2,10 +2,11 @@
 
 Times are CPU seconds by which a frame of depth alone takes longer than the same frame again, whose
 tiles are kept: of the first frame, which finds none kept, and of the next, whose camera has moved
-(that of the orbiter to another place, where none are kept). Without PERILUNE_DATA there is only the
-rover's scene. `kept` is of tiles and their grids in 10^6 bytes. Frames of different heights have
-the same pixels. Of the series of widths, tiles and times are fitted by a constant, the rest of the
-body and what is coarser than any pixel, and a part that is linear in pixels.
+(that of the orbiter to another place, where none are kept). Without PERILUNE_DATA there are only
+the scenes of the rover and of Mars. `kept` is of tiles and their grids in 10^6 bytes. Frames of
+different heights have the same pixels. Of the series of widths, tiles and times are fitted by a
+constant, the rest of the body and what is coarser than any pixel, and a part that is linear in
+pixels.
 
 A descent straight down has frames of colours and depth of SAMPLES samples: the first, and the same
 again, whose tiles are kept. Beside them is raw Embree on the same grids in one scene: the time of
@@ -33,7 +34,14 @@ from terrain_frames import Drawn, Ground
 from perilune import _core
 
 MOON_M = 1737.4e3
-SCENES = {"lunar_orbiter": True, "lunar_lander": True, "lunar_rover": False}
+SCENES = {
+    "lunar_orbiter": True,
+    "lunar_lander": True,
+    "lunar_rover": False,
+    "lunar_pole": True,
+    "apollo15": True,
+    "mars_descent": False,
+}
 """Whether they need PERILUNE_DATA."""
 WIDTHS = (64, 128, 256, 512, 1024)
 HEIGHTS_M = (1e3, 1e4, 1e5, 1e6)
