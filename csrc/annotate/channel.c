@@ -175,6 +175,19 @@ const pl_channel pl_channels[] = {
      "or hides the sun from itself, 2 another spacecraft, 3 a body without terrain, 4 terrain or "
      "its rocks; 0 where shadow is 0",
      PL_BLANK_ZERO, write_shadow_cause},
+    {"coverage", "float32", 4, PL_COMPONENTS_LAYERS, "1",
+     "parts of the pixel's area in which instances are seen, the largest first; 0 in layers that "
+     "are not used",
+     PL_BLANK_ZERO, NULL},
+    {"coverage_instance", "int32", 4, PL_COMPONENTS_LAYERS, "id",
+     "instances that the layers of coverage belong to; 0 in layers that are not used, -1 in the "
+     "last one where it holds all instances that have no layer of their own",
+     PL_BLANK_ZERO, NULL},
+    {"cloud_opacity", "float32", 4, 0, "1",
+     "part of the light from beyond, on the ray through the pixel's centre, that clouds take out "
+     "of "
+     "it; 0 where there are none, and before them",
+     PL_BLANK_ZERO, NULL},
     {"albedo", "float32", 4, 3, "1",
      "base colour of the surface as materials and maps state it, over the pixel's footprint, "
      "linear: of matt surfaces their albedo, of metals their colour, of Hapke's law the "

@@ -29,6 +29,8 @@ typedef enum pl_label_blank { PL_BLANK_ZERO, PL_BLANK_NAN } pl_label_blank;
 
 /* Components of (H, W, baselines); see pl_ground_settings. */
 #define PL_COMPONENTS_BASELINES (-3)
+/* Components of (H, W, layers); see pl_instance_coverage_settings. */
+#define PL_COMPONENTS_LAYERS (-4)
 
 /* components is 0 for a plain (H, W) channel, n for (H, W, n), -1 for (H, W, levels). */
 typedef struct pl_channel {
@@ -40,7 +42,9 @@ typedef struct pl_channel {
   const char *doc;
   pl_label_blank blank;
   /* Writes the pixels of a run, which are contiguous; NULL: the channel needs more than
-   * its own pixel: of the ground (annotate/ground_map.h), or another frame (annotate/flow.h). */
+   * its own pixel: of the ground (annotate/ground_map.h), another frame (annotate/flow.h), or rays
+   * of its own (annotate/instance_coverage.h), or what lies before the surface
+   * (annotate/cloud_map.h). */
   void (*write)(const pl_label_run *run, void *pixels);
 } pl_channel;
 

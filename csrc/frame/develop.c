@@ -10,7 +10,7 @@
 #include "sensor/stage.h"
 
 bool pl_frame_wants_sensor(const pl_frame_request *request) {
-  return request->raw != NULL || request->sensor_rgb != NULL;
+  return request->raw != NULL || request->sensor_rgb != NULL || request->glare != NULL;
 }
 
 /* Rays that measure the visible part of the sun: 8 x 8 over its disc. */
@@ -75,6 +75,7 @@ static pl_status run(pl_renderer *renderer, const pl_frame_request *request,
       .electrons = pl_arena_alloc(&renderer->sensor_arena, pixels, sizeof(double)),
       .raw = raw,
       .rgb = request->sensor_rgb,
+      .glare = request->glare,
       .encoder = &renderer->encoder,
   };
   if (pl_plan_value(plan, &pl_effect_lens_flare) > 0)

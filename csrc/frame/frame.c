@@ -104,6 +104,8 @@ static pl_status check_request(const pl_frame_request *request) {
     return pl_fail(PL_E_ARGUMENT, "the channel `bands` is asked for, but there are no bands");
   if (request->sensor_rgb != NULL && request->sensor->plane_count > 0)
     return pl_fail(PL_E_ARGUMENT, "a sensor of planes has no picture in colour");
+  if (request->glare != NULL && request->sensor->plane_count > 0)
+    return pl_fail(PL_E_ARGUMENT, "a sensor of planes has no one glare");
   return request->sensor != NULL ? pl_sensor_check(request->sensor) : PL_OK;
 }
 

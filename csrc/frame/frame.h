@@ -5,6 +5,7 @@
 #include "annotate/channel.h"
 #include "annotate/flow.h"
 #include "annotate/ground_map.h"
+#include "annotate/instance_coverage.h"
 #include "annotate/keypoint.h"
 #include "annotate/object_label.h"
 #include "base/parallel.h"
@@ -27,7 +28,7 @@ typedef struct pl_frame_request {
   int volume_steps;
   pl_plan_wish wish;
   pl_exposure exposure;
-  /* borrowed; NULL for no sensor: then neither raw nor sensor_rgb is available */
+  /* borrowed; NULL for no sensor: then raw, sensor_rgb and glare are not available */
   const pl_sensor *sensor;
   const float (*band_parts)[3]; /* borrowed: weights from pl_bands_write */
   int band_count;               /* 0 for none: then `bands` is not available */
@@ -40,11 +41,13 @@ typedef struct pl_frame_request {
   float *bands;        /* band_count per pixel, W m-2 sr-1 in each band */
   uint16_t *raw;       /* digital numbers of the sensor: 1 per pixel, or one per plane */
   uint8_t *sensor_rgb; /* 3 per pixel: the sensor's image as displayed */
+  float *glare;        /* light from elsewhere, see sensor/glare.h */
   void *channels[PL_FRAME_CHANNELS_MAX]; /* indexed as pl_channels */
   pl_object_label *objects;              /* pl_scene_label_count elements */
   /* one image per object: 1 on its full silhouette, including occluded parts, else 0 */
   uint8_t *masks;
-  pl_ground_settings ground; /* of channels of the ground */
+  pl_ground_settings ground;              /* of channels of the ground */
+  pl_instance_coverage_settings coverage; /* of its channels */
   /* For channels of motion, borrowed; NULL: there is no such frame. */
   const pl_other_frame *others[PL_FLOW_FRAMES];
   const pl_keypoint *keypoints; /* borrowed */

@@ -78,6 +78,9 @@ pl_status pl_labels_prepare(const pl_frame_request *request, const pl_snapshot *
     if (has_label(&shot->bodies[i]))
       out->first_body = shot->object_count;
   PL_TRY(prepare_ground(arena, out));
+  out->clouds = pl_cloud_map_find(request->channels);
+  if (pl_instance_coverage_init(&request->coverage, request->channels, &out->coverage))
+    PL_TRY(pl_instance_coverage_check(&out->coverage));
   if (request->objects == NULL && request->masks == NULL && request->group_labels == NULL)
     return PL_OK;
   PL_TRY(take(arena, extents, sizeof(pl_extent), &memory));
@@ -94,6 +97,10 @@ void pl_labels_tile(const pl_labels *labels, const pl_snapshot *shot, const pl_t
   const int tile[4] = {result->tile.x0, result->tile.y0, result->tile.width, result->tile.height};
   if (labels->ground.points != NULL)
     pl_ground_map_take(&labels->ground, shot, result->points, PL_TILE_SIDE, tile);
+  if (labels->coverage.parts != NULL || labels->coverage.ids != NULL)
+    pl_instance_coverage_write(&labels->coverage, shot, result);
+  if (labels->clouds != NULL)
+    pl_cloud_map_write(labels->clouds, shot, result);
   if (labels->flow != NULL)
     pl_flow_write(labels->flow, shot, result->empty ? NULL : result->points, PL_TILE_SIDE, tile);
   if (labels->seen != NULL)

@@ -3,6 +3,7 @@
 #ifndef PL_FRAME_LABELS_H
 #define PL_FRAME_LABELS_H
 
+#include "annotate/cloud_map.h"
 #include "annotate/flow.h"
 #include "annotate/ground_map.h"
 #include "annotate/silhouette.h"
@@ -18,7 +19,9 @@ typedef struct pl_labels {
   pl_outline *outlines; /* per object, then per piece: for amodal labels or masks */
   pl_seen *seen;        /* whole image: for masks, or when an object may be occluded or cut off */
   pl_ground_map ground; /* of channels that need one; without points: none does */
-  const pl_flow *flow;  /* of channels that need other frames */
+  pl_instance_coverage coverage; /* without images: none is asked for */
+  float *clouds;                 /* image of cloud_opacity; NULL: not asked for */
+  const pl_flow *flow;           /* of channels that need other frames */
 } pl_labels;
 
 /* Kept from frame to frame; created on first use. */

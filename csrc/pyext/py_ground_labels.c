@@ -1,4 +1,4 @@
-/* Settings of the channels of the ground. */
+/* Settings of label channels: of the ground, and of coverage. */
 #include "pyext/py_ground.h"
 #include "pyext/py_read.h"
 #include "pyext/py_request.h"
@@ -38,4 +38,18 @@ int pl_py_ground_labels_parse(PyObject *request, pl_frame_request *out) {
   Py_XDECREF((PyObject *)baselines);
   Py_DECREF(given);
   return failed ? -1 : 0;
+}
+
+int pl_py_coverage_parse(PyObject *request, pl_frame_request *out) {
+  static const char key[] = "coverage_labels";
+  PyObject *given = PyDict_GetItemString(request, key);
+  size_t samples, layers;
+  if (given == NULL || given == Py_None)
+    return PyErr_Occurred() ? -1 : 0;
+  if (pl_py_member_size(given, "samples", key, &samples) < 0 ||
+      pl_py_member_size(given, "layers", key, &layers) < 0)
+    return -1;
+  out->coverage.samples = samples < INT_MAX ? (int)samples : INT_MAX;
+  out->coverage.layers = layers < INT_MAX ? (int)layers : INT_MAX;
+  return 0;
 }

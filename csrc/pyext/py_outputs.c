@@ -4,7 +4,8 @@
 
 #include <string.h>
 
-/* Number of components: equal to the camera's number of bands; -1 and -3 are of label channels. */
+/* Number of components: equal to the camera's number of bands; -1, -3 and -4 are of label channels.
+ */
 #define PL_PY_BANDS (-2)
 
 /* Radiometric channels; all others are in the table of label channels. */
@@ -19,6 +20,9 @@ static const struct {
     {"bands", "float32", PL_PY_BANDS, "W m-2 sr-1", "clean, in each band of the camera"},
     {"raw", "uint16", 0, "DN", "the sensor's digital numbers, under its mosaic of filters"},
     {"sensor_rgb", "uint8", 3, "DN", "the sensor's picture, display-encoded (sRGB)"},
+    {"glare", "float32", 0, "1",
+     "light that the lens brought to a pixel of the sensor from elsewhere (ghosts, point-spread "
+     "function), over the light that fills a pixel"},
 };
 enum { COLOUR_CHANNELS = sizeof colour_channels / sizeof colour_channels[0] };
 
@@ -99,8 +103,11 @@ static int set_colour(size_t channel, void *data, pl_frame_request *request) {
   case 3:
     request->raw = data;
     break;
-  default:
+  case 4:
     request->sensor_rgb = data;
+    break;
+  default:
+    request->glare = data;
   }
   return data != NULL ? 0 : -1;
 }
@@ -146,6 +153,7 @@ static int set_output(const char *name, PyObject *array, const pl_scene *scene,
     if (strcmp(channel->name, name) != 0)
       continue;
     const int many = channel->components == PL_COMPONENTS_BASELINES ? request->ground.baseline_count
+                     : channel->components == PL_COMPONENTS_LAYERS  ? request->coverage.layers
                                                                     : scene->levels;
     request->channels[i] =
         channel_data(array, name, channel->dtype, channel->components, many, camera);

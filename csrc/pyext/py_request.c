@@ -403,7 +403,7 @@ int pl_py_request_parse(PyObject *request, const pl_scene *scene, pl_py_states *
   if (get_u64(request, "seed", &out->seed) < 0 || get_u64(request, "index", &out->index) < 0 ||
       parse_placement(request, scene, states, &out->placement) < 0 ||
       parse_quality(request, out) < 0 || parse_amodal(request, &out->amodal) < 0 ||
-      pl_py_ground_labels_parse(request, out) < 0 ||
+      pl_py_ground_labels_parse(request, out) < 0 || pl_py_coverage_parse(request, out) < 0 ||
       pl_py_keypoints_parse(request, states, out) < 0 ||
       pl_py_part_groups_parse(request, scene, states, out) < 0 ||
       pl_py_volumes_parse(request, states, out) < 0 ||

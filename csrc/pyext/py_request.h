@@ -66,6 +66,8 @@ int pl_py_clouds_parse(PyObject *request, size_t count, pl_body_state *out);
 int pl_py_bands_parse(PyObject *request, pl_py_states *states, pl_frame_request *out);
 /* Parses "ground_labels", which may be absent or None. */
 int pl_py_ground_labels_parse(PyObject *request, pl_frame_request *out);
+/* Likewise of "coverage_labels". */
+int pl_py_coverage_parse(PyObject *request, pl_frame_request *out);
 /* Parses "keypoints" of the request dictionary, which may be absent or None. */
 int pl_py_keypoints_parse(PyObject *request, pl_py_states *states, pl_frame_request *out);
 /* Parses "part_groups" of the request dictionary, which may be absent or None. */

@@ -62,8 +62,8 @@ static int parse_channels(scan_call *call, PyObject *out, size_t count) {
   if (pl_py_request_outputs(out, call->self->core, call->self->states.kept, &picture) < 0)
     return -1;
   bool others = picture.rgb != NULL || picture.radiance != NULL || picture.bands != NULL ||
-                picture.raw != NULL || picture.sensor_rgb != NULL || picture.objects != NULL ||
-                picture.masks != NULL;
+                picture.raw != NULL || picture.sensor_rgb != NULL || picture.glare != NULL ||
+                picture.objects != NULL || picture.masks != NULL;
   for (size_t i = 0; i < pl_channel_count; i++)
     others = others || (picture.channels[i] != NULL && pl_channels[i].write == NULL);
   if (others) {

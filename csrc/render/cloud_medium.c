@@ -2,6 +2,7 @@
  * horizontal have a path of finite length in it. */
 #include "geom/ellipsoid.h"
 #include "math/color.h"
+#include "render/cloud_opacity.h"
 #include "render/medium_kinds.h"
 #include "shade/body_map.h"
 #include "shade/clouds.h"
@@ -306,6 +307,34 @@ static pl_vec3f toward_sun(const pl_media *media, const void *own, const pl_snap
     }
   }
   return out;
+}
+
+/* Part of the light that passes both crossings of a shell straight on. */
+static float pass_item(const cloud_item *item, const pl_snapshot *shot, pl_vec3 direction,
+                       double t_max, float spread) {
+  meeting m;
+  float out = 1.0f;
+  if (!meet(item, shot, (pl_vec3){0.0, 0.0, 0.0}, direction, &m))
+    return out;
+  for (int k = 0; k < 2; k++) {
+    place at;
+    if (!(m.t[k] > 0.0 && m.t[k] < t_max))
+      continue;
+    find_place(item, &m, m.t[k], (float)(m.t[k] * (double)spread), false, &at);
+    out *= passed_at(&at, false);
+  }
+  return out;
+}
+
+void pl_cloud_pass(const pl_snapshot *shot, const pl_cloud_rays *rays, float *transmittance) {
+  for (uint32_t i = 0; i < shot->body_count; i++) {
+    const pl_clouds *clouds = &shot->bodies[i].state->clouds;
+    if (!(clouds->altitude_m > 0.0))
+      continue;
+    const cloud_item item = item_of(shot, i, (int)ceilf(clouds->octaves));
+    for (size_t k = 0; k < rays->count; k++)
+      transmittance[k] *= pass_item(&item, shot, rays->directions[k], rays->t_max[k], rays->spread);
+  }
 }
 
 const pl_medium_kind pl_medium_clouds = {

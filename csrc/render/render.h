@@ -60,6 +60,7 @@ typedef struct pl_tile_result {
    * surface, and if settings ask for it */
   const pl_point *points;
   const pl_vec3f *radiance; /* W m-2 sr-1; zero if samples is 0 */
+  const pl_tracer *tracer;  /* of the instant, for labels that need more rays */
 } pl_tile_result;
 
 typedef pl_status (*pl_tile_fn)(void *context, const pl_tile_result *result, int worker);

@@ -54,11 +54,6 @@ static double radius_px(const pl_ghost *ghost, double per_px) {
 
 /* --- sources */
 
-/* Radiance at which the most sensitive pixels are full. */
-static double white_radiance(const pl_sensor *sensor) {
-  return pl_sensor_white_electrons(sensor) / pl_sensor_response_white(sensor);
-}
-
 /* Light through the aperture from a pixel relative to that from a pixel on the axis: the solid
  * angle varies as cos^3 of the angle, the projected aperture as the cosine. */
 static double aperture_part(const pl_sensor_frame *f, int x, int y) {
@@ -102,7 +97,7 @@ static pl_status gather(ghosts *g) {
   const pl_sensor_frame *f = g->frame;
   const size_t blocks =
       (((size_t)f->width + BLOCK - 1) / BLOCK) * (((size_t)f->height + BLOCK - 1) / BLOCK);
-  const double white = white_radiance(f->sensor);
+  const double white = pl_sensor_full_radiance(f->sensor);
   g->sources = pl_arena_alloc(f->arena, blocks + 1, sizeof *g->sources);
   if (g->sources == NULL)
     return pl_fail(PL_E_MEMORY, "out of memory for a lens flare");
@@ -188,7 +183,7 @@ static double sun_part(const pl_view *view) {
 
 /* True if anything in the frame can be brighter than white. */
 static bool over_bright(const pl_view *view, double brightest) {
-  return brightest >= white_radiance(view->sensor);
+  return brightest >= pl_sensor_full_radiance(view->sensor);
 }
 
 /* All discs whose sources lie within the disc's radius divided by the scale may overlap in one

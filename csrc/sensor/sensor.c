@@ -168,6 +168,10 @@ double pl_sensor_white_electrons(const pl_sensor *sensor) {
   return fmin(sensor->full_well, (most - sensor->black_level) * sensor->gain);
 }
 
+double pl_sensor_full_radiance(const pl_sensor *sensor) {
+  return pl_sensor_white_electrons(sensor) / pl_sensor_response_white(sensor);
+}
+
 pl_sensor pl_sensor_of_plane(const pl_sensor *sensor, size_t plane) {
   pl_sensor out = *sensor;
   memcpy(out.band_share, sensor->planes[plane].band_share, sizeof out.band_share);

@@ -135,6 +135,9 @@ double pl_sensor_response_white(const pl_sensor *sensor);
 /* Charge at which the image is white, electrons: the full well, or less if the digital range ends
  * earlier. */
 double pl_sensor_white_electrons(const pl_sensor *sensor);
+/* Radiance at which the most sensitive pixels are full, W m-2 sr-1; infinite for an exposure of 0.
+ */
+double pl_sensor_full_radiance(const pl_sensor *sensor);
 /* The sensor as used for one of the planes. */
 pl_sensor pl_sensor_of_plane(const pl_sensor *sensor, size_t plane);
 /* White-balance factor of a band, which makes a sunlit white surface grey; at least 1. Without

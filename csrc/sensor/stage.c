@@ -4,6 +4,7 @@
 #include <math.h>
 
 #include "sensor/draws.h"
+#include "sensor/glare.h"
 #include "plan/effects.h"
 #include "sensor/stages.h"
 
@@ -18,6 +19,8 @@ pl_status pl_sensor_run(pl_sensor_frame *frame, const pl_plan *plan) {
     const int value = stage->effect == NULL ? 1 : pl_plan_value(plan, stage->effect);
     if (value > 0)
       PL_TRY(stage->run(frame, value));
+    if (frame->glare != NULL)
+      pl_glare_follow(frame, stage);
   }
   return PL_OK;
 }

@@ -23,6 +23,7 @@ typedef struct pl_sensor_frame {
   double *electrons; /* valid from the stage `electrons` on */
   uint16_t *raw;     /* digital numbers; valid from the stage `digitise` on */
   uint8_t *rgb;      /* display-encoded; NULL: not requested */
+  float *glare;      /* see sensor/glare.h; NULL: not requested */
   const pl_encoder *encoder;
 } pl_sensor_frame;
 

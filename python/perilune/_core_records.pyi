@@ -157,6 +157,8 @@ class FrameRequest(TypedDict):
     # Of channels of the ground: {"baselines_m": (n,), at most 8; "points" of a disc, 8 to 256;
     # "hazard": footprint in m, and the greatest slope in rad, RMS height in m and rock in m}
     ground_labels: NotRequired[Mapping[str, Any] | None]
+    # Of the channels of coverage: {"samples": rays a pixel, 1 to 1024; "layers": 1 to 16}
+    coverage_labels: NotRequired[Mapping[str, int] | None]
     # Of channels of motion: the requests of other frames, of which only what is placed counts; None:
     # there is no such frame.
     next: NotRequired[FrameRequest | None]

@@ -84,6 +84,15 @@ class CraterLabels(Strict):
     """Least share of a crater's relief that younger ones left, at the point that is seen."""
 
 
+class CoverageLabels(Strict):
+    """The channels `coverage` and `coverage_instance`."""
+
+    samples: Annotated[Integer, Field(ge=1, le=1024)] = 16
+    """Rays over each pixel. Time grows with them; docs/labels.md has their errors."""
+    layers: Annotated[Integer, Field(ge=1, le=16)] = 4
+    """Layers of the channels: instances of a pixel, the largest first."""
+
+
 class Labels(Strict):
     """Levels and classes of the semantic labels; id 0 is the background at every level."""
 
@@ -108,6 +117,8 @@ class Labels(Strict):
 
     ground: GroundLabels = GroundLabels.of_defaults()
     """Baselines of slope and roughness."""
+    coverage: CoverageLabels = CoverageLabels.of_defaults()
+    """Rays and layers of the coverage of pixels by instances."""
     craters: CraterLabels | None = CraterLabels.of_defaults()
     """Which craters of the ground are labelled. null: none, they are terrain."""
 

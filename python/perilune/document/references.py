@@ -21,8 +21,11 @@ HIERARCHY = "hierarchy"
 """Name that requests a sample's table of spacecraft, their nodes and parts."""
 TABLES = (KEYPOINTS, HIERARCHY)
 """Names of tables of a sample."""
-OF_SENSOR = ("raw", "sensor_rgb")
+SENSOR_PICTURES = ("raw", "sensor_rgb")
+OF_SENSOR = (*SENSOR_PICTURES, "glare")
 """Channels that only cameras with a section `sensor` have."""
+OF_ONE_PLANE = ("sensor_rgb", "glare")
+"""Those among them that sensors of planes do not have."""
 TO_NEXT = ("flow", "flow_occlusion", "scene_flow")
 TO_PREVIOUS = ("flow_backward", "flow_occlusion_backward")
 OF_MOTION = (*TO_NEXT, *TO_PREVIOUS)
@@ -50,7 +53,7 @@ def pixel_channels(config: Config) -> list[str]:
     if any(camera.sensor is None for camera in config.cameras.values()):
         names = [name for name in names if name not in OF_SENSOR]
     if any(bands.has_planes(camera) for camera in config.cameras.values()):
-        names = [name for name in names if name != "sensor_rgb"]
+        names = [name for name in names if name not in OF_ONE_PLANE]
     return names
 
 
@@ -69,7 +72,7 @@ def check_channels(channels: Iterable[str], config: Config, where: str) -> None:
             key = "camera" if camera_name is None else f"sensors.{camera_name}"
             if name in OF_SENSOR and camera.sensor is None:
                 raise ConfigError(f"{where}: '{name}' needs the section {key}.sensor")
-            if name == "sensor_rgb" and bands.has_planes(camera):
+            if name in OF_ONE_PLANE and bands.has_planes(camera):
                 raise ConfigError(f"{where}: '{name}': none where {key}.sensor.mosaic is planes")
 
 

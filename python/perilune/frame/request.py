@@ -130,6 +130,10 @@ def request_of(
         "sensor": sensor,
         "bands": bands.matrix(config.camera, config.sun),
         "ground_labels": _ground_labels(config.labels.ground),
+        "coverage_labels": {
+            "samples": config.labels.coverage.samples,
+            "layers": config.labels.coverage.layers,
+        },
         "amodal": config.render.amodal,
     }
 
@@ -201,6 +205,7 @@ def _component_counts(config: Config) -> dict[int, Callable[[], int]]:
         -1: lambda: len(config.labels.levels),
         -2: lambda: bands.count(config.camera),
         -3: lambda: len(config.labels.ground.baseline_m),
+        -4: lambda: config.labels.coverage.layers,
     }
 
 

@@ -21,6 +21,7 @@ from perilune.export.writers.formats.tables import FORMATS
 
 CHANNELS = ["rgb", "depth", "semantic", "part", "instance", "objects", "masks", "normal", "flow"]
 CHANNELS += ["flow_occlusion", "flow_backward", "range", "position", "keypoints"]
+CHANNELS += ["coverage", "coverage_instance"]
 
 
 @pytest.fixture(scope="module")
@@ -280,7 +281,23 @@ def plant_the_lens_of_another(info, record, arrays):
     record["camera"]["lens"] = {"model": "brown_conrady", "coefficients": [0.5] + [0.0] * 7}
 
 
+def plant_too_large_a_part(info, record, arrays):
+    arrays["coverage"][0, 0, :2] = [0.75, 0.5]
+
+
+def plant_an_unknown_layer(info, record, arrays):
+    arrays["coverage_instance"][0, 0, 0] = 999
+
+
+def plant_a_part_of_nothing(info, record, arrays):
+    (y, x), _ = seen(arrays, info)
+    arrays["coverage_instance"][y, x, 0] = 0
+
+
 PLANTED = {
+    plant_too_large_a_part: r"coverage is no parts of a pixel, .* row 0",
+    plant_an_unknown_layer: r"coverage_instance has ids of no instance at 1 pixels",
+    plant_a_part_of_nothing: r"instance is in no layer of coverage_instance at 1 pixels",
     plant_a_moved_pose: r"object 'probe': t_m2c is 0\.001 m away from its state",
     plant_a_turned_pose: r"object 'probe': R_m2c is not the attitude of its state",
     plant_another_range: r"range is not the distance of what depth tells at 1 pixels",

@@ -23,6 +23,8 @@ Arrays = Mapping[str, Array]
 _SHOWN = 5
 _UNIT = 1e-5
 """Largest deviation of a normal's length from 1, in single precision with interpolation."""
+_SHARE = 4e-3
+"""Largest sum of a pixel's parts beyond 1, in half precision."""
 _TURN = 1e-9
 """Largest deviation of a rotation from orthonormal."""
 
@@ -126,6 +128,36 @@ def _parts(arrays: Arrays, info: Info) -> Iterator[str]:
         yield f"part and instance are of different objects at {counted(wrong)}"
 
 
+def _coverage(arrays: Arrays, info: Info) -> Iterator[str]:
+    """Parts of pixels are sorted, are at most the whole, and belong to known instances."""
+    if "coverage" in arrays:
+        parts = arrays["coverage"].astype(np.float64)
+        total = parts.sum(axis=2)
+        wrong = (
+            (parts < 0.0).any(axis=2)
+            | (total > 1.0 + _SHARE)
+            | (np.diff(parts) > 0.0)[..., :-1].any(axis=2)
+        )
+        if wrong.any():
+            yield f"coverage is no parts of a pixel, the largest first, at {counted(wrong)}"
+    if "coverage_instance" not in arrays:
+        return
+    ids = arrays["coverage_instance"]
+    known = [-1, 0, *(row["id"] for row in info["taxonomy"]["instances"])]
+    wrong = ~np.isin(ids, known).all(axis=2) | (ids[..., :-1] == -1).any(axis=2)
+    if wrong.any():
+        yield f"coverage_instance has ids of no instance at {counted(wrong)}"
+    if "coverage" in arrays:
+        wrong = ((arrays["coverage"] > 0.0) != (ids != 0)).any(axis=2)
+        if wrong.any():
+            yield f"coverage and coverage_instance have other layers at {counted(wrong)}"
+    if "instance" in arrays:
+        centre = arrays["instance"][..., np.newaxis]
+        wrong = ~((ids == centre) | (ids == -1)).any(axis=2) & (centre[..., 0] != 0)
+        if wrong.any():
+            yield f"instance is in no layer of coverage_instance at {counted(wrong)}"
+
+
 def _geometry(arrays: Arrays) -> Iterator[str]:
     """Depth, range, normals and motion agree with what is hit."""
     hit = arrays["instance"] != 0 if "instance" in arrays else None
@@ -180,6 +212,7 @@ def faults(
             shaped[name] = array
     yield from _objects(shaped, record)
     yield from _parts(shaped, info)
+    yield from _coverage(shaped, info)
     yield from _geometry(shaped)
     yield from geometry_faults(info, record, shaped, beside)
     yield from scan_faults(info, record, arrays)

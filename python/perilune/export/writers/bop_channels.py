@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from perilune import _core
 from perilune.camera import bands
-from perilune.document.references import HIERARCHY, MASKS, OBJECTS, OF_SENSOR
+from perilune.document.references import HIERARCHY, MASKS, OBJECTS, SENSOR_PICTURES
 from perilune.export.writers.bop_files import RGB_FOLDER
 from perilune.export.writers.files import PNG_LEVEL, write_bytes
 from perilune.export.writers.scans import scan_names
@@ -83,7 +83,7 @@ def pictures(sim: Simulation) -> dict[str, str]:
     channels of the sensor have a folder of their own name."""
     asked = sim.config.render.channels
     main = main_picture(sim)
-    others = [name for name in OF_SENSOR if name in asked and name != main]
+    others = [name for name in SENSOR_PICTURES if name in asked and name != main]
     shown = {RGB_FOLDER: main} | {name: name for name in others}
     return {folder: name for folder, name in shown.items() if name != "raw" or not _planes(sim)}
 
@@ -152,7 +152,7 @@ def _files_of(sim: Simulation, name: str) -> ChannelFiles:
         shape, dtype = channel_layout(config.model_copy(update={"camera": camera}), name)
         counts.add(shape[2] if len(shape) == 3 else 0)
     components = counts.pop() if len(counts) == 1 else None
-    if dtype == np.uint8 and name not in OF_SENSOR and components == 0:
+    if dtype == np.uint8 and name not in SENSOR_PICTURES and components == 0:
         return ChannelFiles(PNG, dtype.name, 0)
     if name in _NAMED and components in range(4):
         largest = _largest_id(sim, name)

@@ -232,6 +232,7 @@ KINDS: dict[str, Kind] = {
     "albedo": radiance_panel,
     "flow": flow_panel,
     "semantic": levels_panel,
+    "coverage": layers_panel,
     "slope_baseline": layers_panel,
     "rms_height": layers_panel,
     "hazard": hazard_panel,

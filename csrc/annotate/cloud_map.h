@@ -1,0 +1,12 @@
+/* The channel of clouds: how much they hide of what a pixel sees. */
+#ifndef PL_ANNOTATE_CLOUD_MAP_H
+#define PL_ANNOTATE_CLOUD_MAP_H
+
+#include "render/render.h"
+
+/* Returns the image among those of pl_channels; NULL if it is not asked for. */
+float *pl_cloud_map_find(void *const *channels);
+/* Writes all pixels of a tile. `shot`: that of the tile's instant. */
+void pl_cloud_map_write(float *image, const pl_snapshot *shot, const pl_tile_result *result);
+
+#endif

@@ -1,0 +1,154 @@
+#include "annotate/instance_coverage.h"
+
+#include <string.h>
+
+#include "annotate/channel.h"
+#include "scene/image_sample.h"
+#include "trace/tracer.h"
+
+/* Rays that are traced together: some packets of one pixel. */
+enum { RUN = 8 * PL_TRACER_PACKET };
+
+bool pl_instance_coverage_init(const pl_instance_coverage_settings *settings, void *const *channels,
+                               pl_instance_coverage *out) {
+  *out = (pl_instance_coverage){.settings = *settings};
+  for (size_t i = 0; i < pl_channel_count; i++) {
+    if (strcmp(pl_channels[i].name, "coverage") == 0)
+      out->parts = channels[i];
+    else if (strcmp(pl_channels[i].name, "coverage_instance") == 0)
+      out->ids = channels[i];
+  }
+  return out->parts != NULL || out->ids != NULL;
+}
+
+pl_status pl_instance_coverage_check(const pl_instance_coverage *coverage) {
+  const pl_instance_coverage_settings *s = &coverage->settings;
+  if (s->samples < 1 || s->samples > PL_COVERAGE_SAMPLES_MAX)
+    return pl_fail(PL_E_RANGE, "coverage: samples must be in 1..%d, not %d",
+                   PL_COVERAGE_SAMPLES_MAX, s->samples);
+  if (s->layers < 1 || s->layers > PL_COVERAGE_LAYERS_MAX)
+    return pl_fail(PL_E_RANGE, "coverage: layers must be in 1..%d, not %d", PL_COVERAGE_LAYERS_MAX,
+                   s->layers);
+  return PL_OK;
+}
+
+/* Number of rays of a pixel that see an instance. */
+typedef struct share {
+  int32_t id;
+  int count;
+} share;
+
+/* What the rays of a pixel see. */
+typedef struct tally {
+  size_t count;
+  share shares[PL_COVERAGE_SAMPLES_MAX];
+  pl_surface_id last; /* the surface that was met last, and its instance */
+  int32_t last_id;
+} tally;
+
+static int32_t instance_of(const pl_snapshot *shot, pl_surface_id id, tally *t) {
+  if (!pl_surface_same(id, t->last)) {
+    pl_geometry_label label;
+    pl_geometry_of(id)->label(shot, id, &label);
+    t->last = id;
+    t->last_id = label.instance_id;
+  }
+  return t->last_id;
+}
+
+static void add(const pl_snapshot *shot, pl_surface_id id, tally *t) {
+  if (pl_surface_is_none(id))
+    return;
+  const int32_t instance = instance_of(shot, id, t);
+  size_t k = 0;
+  while (k < t->count && t->shares[k].id != instance)
+    k++;
+  if (k == t->count)
+    t->shares[t->count++] = (share){instance, 0};
+  t->shares[k].count++;
+}
+
+/* Ray `index` of a pixel, through the centre of the lens. */
+static pl_ray ray_of(const pl_snapshot *shot, int index, int samples, int x, int y) {
+  double offset[2];
+  pl_image_sample_offset((uint32_t)index, samples, offset);
+  const pl_vec3 direction = pl_snapshot_ray(shot, x + offset[0], y + offset[1]);
+  if (pl_vec3_dot(direction, direction) > 0.0)
+    return (pl_ray){.t_max = INFINITY, .direction = direction, .skip_body = PL_NO_BODY};
+  return (pl_ray){.t_max = -1.0, .direction = {0.0, 0.0, 1.0}, .skip_body = PL_EVERY_BODY};
+}
+
+/* `centre`: what the ray through the centre sees, which is the first of the pixel's. */
+static void look(const pl_snapshot *shot, const pl_tracer *tracer, int samples, int x, int y,
+                 pl_surface_id centre, tally *t) {
+  pl_ray rays[RUN];
+  pl_hit hits[RUN];
+  t->count = 0;
+  add(shot, centre, t);
+  for (int from = 1; from < samples; from += RUN) {
+    const int count = samples - from < RUN ? samples - from : RUN;
+    for (int i = 0; i < count; i++)
+      rays[i] = ray_of(shot, from + i, samples, x, y);
+    pl_tracer_closest(tracer, rays, hits, (size_t)count, true, true);
+    for (int i = 0; i < count; i++)
+      add(shot, hits[i].surface_id, t);
+  }
+}
+
+/* The largest first; of equal ones the lower id. */
+static void sort(tally *t) {
+  for (size_t i = 1; i < t->count; i++) {
+    const share moved = t->shares[i];
+    size_t k = i;
+    for (; k > 0; k--) {
+      const share *before = &t->shares[k - 1];
+      if (before->count > moved.count || (before->count == moved.count && before->id < moved.id))
+        break;
+      t->shares[k] = *before;
+    }
+    t->shares[k] = moved;
+  }
+}
+
+/* Sums what has no layer of its own. */
+static void fold(tally *t, size_t layers) {
+  if (t->count <= layers)
+    return;
+  share *rest = &t->shares[layers - 1];
+  for (size_t i = layers; i < t->count; i++)
+    rest->count += t->shares[i].count;
+  rest->id = PL_COVERAGE_REST;
+  t->count = layers;
+}
+
+static void write_pixel(const pl_instance_coverage *coverage, size_t at, const tally *t) {
+  const size_t layers = (size_t)coverage->settings.layers;
+  for (size_t k = 0; k < layers; k++) {
+    const share s = k < t->count ? t->shares[k] : (share){0, 0};
+    if (coverage->parts != NULL)
+      coverage->parts[at * layers + k] = (float)s.count / (float)coverage->settings.samples;
+    if (coverage->ids != NULL)
+      coverage->ids[at * layers + k] = s.id;
+  }
+}
+
+void pl_instance_coverage_write(const pl_instance_coverage *coverage, const pl_snapshot *shot,
+                                const pl_tile_result *result) {
+  const pl_tile tile = result->tile;
+  tally t;
+  t.count = 0;
+  t.last = PL_NO_SURFACE;
+  t.last_id = 0;
+  for (int y = 0; y < tile.height; y++)
+    for (int x = 0; x < tile.width; x++) {
+      const size_t column = (size_t)(tile.x0 + x), row = (size_t)(tile.y0 + y);
+      if (!result->empty) {
+        const pl_surface_id centre = result->points[y * PL_TILE_SIDE + x].surface_id;
+        look(shot, result->tracer, coverage->settings.samples, tile.x0 + x, tile.y0 + y, centre,
+             &t);
+        sort(&t);
+        fold(&t, (size_t)coverage->settings.layers);
+      }
+      write_pixel(coverage, row * (size_t)shot->rays.camera.width + column, &t);
+    }
+}
