@@ -81,12 +81,24 @@ static void write_object_coords(const pl_label_run *run, void *pixels) {
   fill_turned(run->count, run->position, run->label.origin, run->label.rotation, pixels);
 }
 
+/* Classes that graphs give take the place of those of the part. */
+static void classify(const pl_label_run *run, uint16_t *out) {
+  const pl_geometry_kind *kind = pl_geometry_of(run->surface_id);
+  for (size_t i = 0; i < run->count; i++) {
+    pl_vertex vertex = pl_point_vertex(&run->points[i]);
+    const pl_beam beam = {.direction = pl_vec3_unit(vertex.position)};
+    kind->classify(run->shot, &beam, &vertex, out + i * (size_t)run->shot->levels);
+  }
+}
+
 static void write_semantic(const pl_label_run *run, void *pixels) {
   const size_t levels = (size_t)run->shot->levels;
   uint16_t *out = pixels;
   for (size_t level = 0; level < levels; level++)
     for (size_t i = 0; i < run->count; i++)
       out[i * levels + level] = run->label.class_ids[run->parts[i] * levels + level];
+  if (run->label.classified)
+    classify(run, out);
   const pl_ground_labels *ground = &run->label.on_ground;
   if (!ground->apart)
     return;

@@ -6,6 +6,7 @@
 #include "base/memory.h"
 #include "math/sampler.h"
 #include "pyext/py_read.h"
+#include "shade/graph_classes.h"
 #include "shade/presence.h"
 
 typedef struct graph_object {
@@ -280,7 +281,53 @@ static PyObject *graph_albedo(PyObject *object, PyObject *args, PyObject *kwargs
   return out;
 }
 
+/* --- classes of labels ------------------------------------------------------------------------ */
+
+/* Rows of `ranges` (n, 2) with `ids` (n,). */
+static int read_classes(PyArrayObject *ranges, PyArrayObject *ids, pl_graph_level *out) {
+  void *memory;
+  const double *row = PyArray_DATA(ranges);
+  out->count = (size_t)PyArray_DIM(ranges, 0);
+  if (pl_py_check(pl_alloc_or_fail(out->count, sizeof *out->classes, "classes", &memory),
+                  "classes") < 0)
+    return -1;
+  out->classes = memory;
+  for (size_t i = 0; i < out->count; i++)
+    out->classes[i] = (pl_graph_class){.low = (float)row[2 * i],
+                                       .high = (float)row[2 * i + 1],
+                                       .id = ((const uint16_t *)PyArray_DATA(ids))[i]};
+  return 0;
+}
+
+static PyObject *graph_add_level(PyObject *object, PyObject *args, PyObject *kwargs) {
+  static char *names[] = {"level", "value", "ranges", "ids", NULL};
+  graph_object *self = (graph_object *)object;
+  const npy_intp pairs[2] = {-1, 2};
+  PyObject *value, *py_ranges, *py_ids;
+  Py_ssize_t level;
+  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "nOOO:add_level", names, &level, &value,
+                                   &py_ranges, &py_ids))
+    return NULL;
+  pl_graph_level row = {.level = (size_t)level, .value = pl_py_graph_of(value)};
+  if (row.value == NULL)
+    return NULL;
+  PyArrayObject *ranges = pl_py_array(py_ranges, "ranges", NPY_DOUBLE, 2, pairs);
+  const npy_intp count[1] = {ranges != NULL ? PyArray_DIM(ranges, 0) : 0};
+  PyArrayObject *ids = ranges != NULL ? pl_py_array(py_ids, "ids", NPY_UINT16, 1, count) : NULL;
+  int failed = ids == NULL || read_classes(ranges, ids, &row) < 0 ||
+               PyList_Append(self->kept, value) < 0 ||
+               pl_py_check(pl_graph_add_level(self->graph, &row), "add_level") < 0;
+  pl_free(row.classes);
+  Py_XDECREF((PyObject *)ids);
+  Py_XDECREF((PyObject *)ranges);
+  if (failed)
+    return NULL;
+  Py_RETURN_NONE;
+}
+
 static PyMethodDef graph_methods[] = {
+    {"add_level", (PyCFunction)(void (*)(void))graph_add_level, METH_VARARGS | METH_KEYWORDS,
+     "Gives points classes at a level of labels, by the emission strength of another graph."},
     {"albedo", (PyCFunction)(void (*)(void))graph_albedo, METH_VARARGS | METH_KEYWORDS,
      "Light of an even sky that the surface sends towards directions."},
     {"evaluate", (PyCFunction)(void (*)(void))graph_evaluate, METH_VARARGS | METH_KEYWORDS,

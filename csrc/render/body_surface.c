@@ -9,6 +9,7 @@
 #include "scene/shot_frame.h"
 #include "shade/body_map.h"
 #include "shade/reflectance.h"
+#include "shade/graph_classes.h"
 
 /* Oblateness for the latitude of the body's maps: 0 for planetocentric latitudes. */
 static double oblate_of(const pl_shot_body *body) {
@@ -85,20 +86,22 @@ static pl_vec3f normal_at(const pl_snapshot *shot, const pl_vertex *vertex) {
   return kind->smooth_normal != NULL ? kind->smooth_normal(shot, vertex) : vertex->ng;
 }
 
-/* The surface from the body's graph; its frame's t points east. */
-static void shade_body_graph(const pl_snapshot *shot, const pl_shot_body *body, const pl_beam *beam,
-                             pl_detail detail, pl_vertex *vertex) {
-  const pl_graph *graph = body->body->graph;
-  const pl_body_place place = place_of(body, vertex, beam);
-  const pl_vec3 east = {-place.point.y, place.point.x, 0.0};
+/* Sets the frame for a graph: its t points east. */
+static void set_frame(const pl_snapshot *shot, const pl_shot_body *body, const pl_body_place *place,
+                      pl_vertex *vertex) {
+  const pl_vec3 east = {-place->point.y, place->point.x, 0.0};
   pl_surface_set_frame(&vertex->surface, normal_at(shot, vertex),
                        pl_vec3_to_float(pl_mat3_mul_vec(body->rotation, pl_vec3_unit(east))), 1.0f);
-  if (pl_graph_wraps(graph))
-    own_surface(body, beam, &place, detail, vertex);
-  pl_surface *s = &vertex->surface;
-  const double area = pl_vec3_norm(pl_vec3_cross(place.across, place.along));
-  const pl_graph_point point = {
-      .object = pl_vec3_to_float(place.point),
+}
+
+/* The point of a graph, of a vertex with its frame. */
+static pl_graph_point graph_point(const pl_shot_body *body, const pl_beam *beam,
+                                  const pl_body_place *place, pl_detail detail,
+                                  const pl_vertex *vertex) {
+  const pl_surface *s = &vertex->surface;
+  const double area = pl_vec3_norm(pl_vec3_cross(place->across, place->along));
+  return (pl_graph_point){
+      .object = pl_vec3_to_float(place->point),
       .world = pl_vec3_to_float(pl_vec3_sub(vertex->position, body->center)),
       .t = s->t,
       .b = s->b,
@@ -111,16 +114,38 @@ static void shade_body_graph(const pl_snapshot *shot, const pl_shot_body *body, 
       .random = body->body->random,
       .scale = 1.0f,
       .body = &body->rotation,
-      .place = place.point,
-      .across = place.across,
-      .along = place.along,
+      .place = place->point,
+      .across = place->across,
+      .along = place->along,
       .map_center_lon_rad = body->body->map_center_lon_rad,
-      .map_oblate = place.oblate,
+      .map_oblate = place->oblate,
       .body_map = body->body->map,
       .body_albedo = body->state->albedo,
       .body_emission = body->state->emission,
   };
-  pl_graph_surface(graph, &point, body->state->parameters, s);
+}
+
+/* The surface from the body's graph. */
+static void shade_body_graph(const pl_snapshot *shot, const pl_shot_body *body, const pl_beam *beam,
+                             pl_detail detail, pl_vertex *vertex) {
+  const pl_graph *graph = body->body->graph;
+  const pl_body_place place = place_of(body, vertex, beam);
+  set_frame(shot, body, &place, vertex);
+  if (pl_graph_wraps(graph))
+    own_surface(body, beam, &place, detail, vertex);
+  const pl_graph_point point = graph_point(body, beam, &place, detail, vertex);
+  pl_graph_surface(graph, &point, body->state->parameters, &vertex->surface);
+}
+
+void pl_body_surface_classify(const pl_snapshot *shot, const pl_shot_body *body,
+                              const pl_beam *beam, pl_vertex *vertex, uint16_t *ids) {
+  const pl_beam thin = {.direction = beam->direction}; /* labels are those of the point itself */
+  if (body->body->graph == NULL || !pl_graph_has_levels(body->body->graph))
+    return;
+  const pl_body_place place = place_of(body, vertex, &thin);
+  set_frame(shot, body, &place, vertex);
+  const pl_graph_point point = graph_point(body, &thin, &place, PL_DETAIL_FULL, vertex);
+  pl_graph_classify(body->body->graph, &point, body->state->parameters, ids);
 }
 
 static bool has_ground(const pl_ground *ground) {

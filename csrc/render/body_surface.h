@@ -8,5 +8,8 @@
  * viewer's side. */
 void pl_body_surface_shade(const pl_snapshot *shot, const pl_shot_body *body, const pl_beam *beam,
                            pl_detail detail, pl_vertex *vertex);
+/* See pl_geometry_kind.classify. */
+void pl_body_surface_classify(const pl_snapshot *shot, const pl_shot_body *body,
+                              const pl_beam *beam, pl_vertex *vertex, uint16_t *ids);
 
 #endif

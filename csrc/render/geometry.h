@@ -19,6 +19,7 @@ typedef struct pl_geometry_label {
   const int32_t *part_ids;    /* one per part */
   pl_ground_labels on_ground; /* of rocks, or of craters; a class of 0 is that of the part */
   int32_t instance_id;
+  bool classified; /* graphs give classes, see pl_geometry_kind.classify */
 } pl_geometry_label;
 
 /* Bounding sphere of a surface. */
@@ -57,6 +58,9 @@ typedef struct pl_geometry_kind {
    * in root axes. */
   void (*set_spot)(const pl_snapshot *shot, const pl_hit *hit, pl_vec3 point, pl_spot *spot);
   void (*label)(const pl_snapshot *shot, pl_surface_id id, pl_geometry_label *out);
+  /* Sets the class ids of a located vertex at the levels where its graph says them (see
+   * shade/graph_classes.h); of all others they are left as they are. NULL: no graph does. */
+  void (*classify)(const pl_snapshot *shot, const pl_beam *beam, pl_vertex *vertex, uint16_t *ids);
 } pl_geometry_kind;
 
 #define PL_KIND(NAME, name, replaces) extern const pl_geometry_kind pl_geometry_##name;

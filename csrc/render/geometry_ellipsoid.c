@@ -2,6 +2,7 @@
 #include "geom/ellipsoid.h"
 #include "render/body_surface.h"
 #include "render/geometry.h"
+#include "shade/graph_classes.h"
 
 /* Sets the point at distance t along the beam. */
 static void set_body_point(const pl_shot_body *body, const pl_beam *beam, double t,
@@ -50,6 +51,11 @@ bool pl_vertex_meet_bodies(const pl_snapshot *shot, const pl_beam *beam, pl_vert
   return true;
 }
 
+static void classify(const pl_snapshot *shot, const pl_beam *beam, pl_vertex *vertex,
+                     uint16_t *ids) {
+  pl_body_surface_classify(shot, pl_shot_body_of(shot, vertex->surface_id), beam, vertex, ids);
+}
+
 static void shade_body(const pl_snapshot *shot, const pl_beam *beam, pl_detail detail,
                        pl_vertex *vertex) {
   pl_body_surface_shade(shot, pl_shot_body_of(shot, vertex->surface_id), beam, detail, vertex);
@@ -88,6 +94,7 @@ void pl_body_surface_label(const pl_body *body, pl_geometry_label *out) {
   out->class_ids = body->parts.class_ids;
   out->part_ids = body->parts.part_ids;
   out->instance_id = body->instance_id;
+  out->classified = body->graph != NULL && pl_graph_has_levels(body->graph);
 }
 
 void pl_body_label(const pl_snapshot *shot, pl_surface_id id, pl_geometry_label *out) {
@@ -105,4 +112,5 @@ const pl_geometry_kind pl_geometry_ellipsoid = {
     .leave = leave_body,
     .set_spot = set_body_spot,
     .label = pl_body_label,
+    .classify = classify,
 };

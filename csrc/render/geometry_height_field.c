@@ -123,6 +123,11 @@ static void shade(const pl_snapshot *shot, const pl_beam *beam, pl_detail detail
     add_slopes(body, beam, vertex);
 }
 
+static void classify(const pl_snapshot *shot, const pl_beam *beam, pl_vertex *vertex,
+                     uint16_t *ids) {
+  pl_body_surface_classify(shot, pl_shot_body_of(shot, vertex->surface_id), beam, vertex, ids);
+}
+
 /* Secondary rays start above the surface by several rounding errors of the hit, which was found in
  * single precision relative to the field's origin, and by a small part of a cell. */
 static const double ROUNDING = 0x1p-21, PART_OF_CELL = 0x1p-12;
@@ -169,4 +174,5 @@ const pl_geometry_kind pl_geometry_height_field = {
     .leave = pl_height_field_leave,
     .set_spot = set_spot,
     .label = label,
+    .classify = classify,
 };

@@ -1,6 +1,8 @@
 /* Meshes of objects, with materials and graphs. */
 #include "render/geometry.h"
+#include "scene/graph_point.h"
 #include "scene/shot_frame.h"
+#include "shade/graph_classes.h"
 
 static void set_weights(pl_vertex *vertex, double u, double v) {
   vertex->w[1] = pl_minf(pl_maxf((float)u, 0.0f), 1.0f);
@@ -161,6 +163,19 @@ static void shade_graph(pl_detail detail, const pl_vertex_view *run, mesh_shadin
     shade_batch(&batch);
 }
 
+/* Labels are those of the point itself, not of a footprint. */
+static void classify_mesh(const pl_snapshot *shot, const pl_beam *beam, pl_vertex *vertex,
+                          uint16_t *ids) {
+  const pl_shot_object *object = pl_shot_object_of(shot, vertex->surface_id);
+  const pl_object_graph *graph =
+      pl_object_materials_at(object->object->materials, vertex->triangle);
+  if (graph == NULL || !pl_graph_has_levels(graph->graph))
+    return;
+  const pl_graph_point point = pl_shot_graph_point(
+      object, vertex->triangle, vertex->w, pl_vec3_to_float(pl_vec3_scale(beam->direction, -1.0)));
+  pl_graph_classify(graph->graph, &point, pl_shot_parameters(object, graph), ids);
+}
+
 /* Whether the beam sees the back of a material that emits from its front only. */
 static bool is_dark(const pl_shot_object *object, const pl_beam *beam, const pl_vertex *vertex) {
   return pl_material_of(object->object->model, vertex->triangle)->dark_behind &&
@@ -220,7 +235,8 @@ void pl_mesh_label(const pl_snapshot *shot, pl_surface_id id, pl_geometry_label 
                              .parts = object->object,
                              .class_ids = object->object->class_ids,
                              .part_ids = object->object->part_ids,
-                             .instance_id = object->object->instance_id};
+                             .instance_id = object->object->instance_id,
+                             .classified = pl_object_materials_classify(object->object->materials)};
 }
 
 const pl_geometry_kind pl_geometry_mesh = {
@@ -234,4 +250,5 @@ const pl_geometry_kind pl_geometry_mesh = {
     .leave = pl_mesh_leave,
     .set_spot = pl_mesh_set_spot,
     .label = pl_mesh_label,
+    .classify = classify_mesh,
 };

@@ -9,6 +9,12 @@ static void shade_shape(const pl_snapshot *shot, const pl_beam *beam, pl_detail 
   pl_body_surface_shade(shot, &shot->bodies[object->body], beam, detail, vertex);
 }
 
+static void classify(const pl_snapshot *shot, const pl_beam *beam, pl_vertex *vertex,
+                     uint16_t *ids) {
+  const pl_object *object = pl_shot_object_of(shot, vertex->surface_id)->object;
+  pl_body_surface_classify(shot, &shot->bodies[object->body], beam, vertex, ids);
+}
+
 /* The hemisphere of rays that start at the lifted origin, see lift. */
 static void set_horizon(const pl_snapshot *shot, pl_vertex *vertex) {
   vertex->surface.ng = pl_shot_normal(pl_shot_object_of(shot, vertex->surface_id), vertex->triangle,
@@ -70,4 +76,5 @@ const pl_geometry_kind pl_geometry_shape = {
     .leave = leave_shape,
     .set_spot = pl_mesh_set_spot,
     .label = label,
+    .classify = classify,
 };

@@ -5,6 +5,7 @@
 
 #include "base/hash.h"
 #include "base/memory.h"
+#include "shade/graph_classes.h"
 
 static pl_status fill(const char *name, const pl_graph *const *graphs, size_t count,
                       const int32_t *triangle_graph, size_t triangles, pl_object_materials *out) {
@@ -66,4 +67,11 @@ pl_status pl_object_materials_sort(pl_object_materials *materials, const pl_cut 
   pl_free(materials->triangle_graph);
   materials->triangle_graph = sorted;
   return PL_OK;
+}
+
+bool pl_object_materials_classify(const pl_object_materials *materials) {
+  for (size_t i = 0; materials != NULL && i < materials->count; i++)
+    if (pl_graph_has_levels(materials->graphs[i].graph))
+      return true;
+  return false;
 }

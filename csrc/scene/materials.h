@@ -33,6 +33,8 @@ float pl_material_random(const char *name);
 /* Reorders the triangles to match the whole of a cut. */
 pl_status pl_object_materials_sort(pl_object_materials *materials, const pl_cut *cut);
 
+/* Returns whether any graph gives classes of labels (shade/graph_classes.h); NULL: none. */
+bool pl_object_materials_classify(const pl_object_materials *materials);
 /* Returns the graph on a triangle, or NULL. */
 static inline const pl_object_graph *pl_object_materials_at(const pl_object_materials *materials,
                                                             uint32_t triangle) {

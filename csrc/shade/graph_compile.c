@@ -415,5 +415,8 @@ void pl_graph_destroy(pl_graph *graph) {
   pl_free(graph->spread);
   pl_free(graph->node_constants);
   pl_free(graph->numbers);
+  for (size_t i = 0; i < graph->level_count; i++)
+    pl_free(graph->levels[i].classes);
+  pl_free(graph->levels);
   pl_free(graph);
 }

@@ -4,7 +4,7 @@
 
 #include <stdint.h>
 
-#include "shade/graph.h"
+#include "shade/graph_classes.h"
 
 enum {
   PL_GRAPH_NODES = 256,
@@ -58,6 +58,8 @@ struct pl_graph {
   size_t constant_count;
   pl_constant *node_constants; /* owned, node by node */
   float *numbers;              /* owned: the number lists of node_constants */
+  pl_graph_level *levels;      /* owned: classes by values, see shade/graph_classes.h */
+  size_t level_count;
 };
 
 /* Extends the bounds by the features of the graph that effects can leave out. */

@@ -347,7 +347,7 @@ LENSES: dict[str, LensModel]
 
 @final
 class Graph:
-    """A compiled material graph; immutable.
+    """A compiled material graph; immutable once it is placed.
 
     nodes: (name, kind, inputs, constants) each, inputs and constants in the order of NODES. An
     input is (source, index, output, x, y, z) with source "unset", "constant" (x, y, z; a scalar
@@ -366,6 +366,13 @@ class Graph:
     @property
     def presence(self) -> int:
         """What its alpha leaves of a surface, in any frame: 0 nothing, 1 perhaps a part, 2 all."""
+    def add_level(
+        self, level: int, value: Graph, ranges: F64, ids: NDArray[np.uint16]
+    ) -> None:
+        """Gives points of the surface classes at a level of `semantic`, by the emission strength of
+        `value`, a graph with the same parameters. ranges: (n, 2), least and greatest, both included;
+        ids: (n,). The first range that has the value counts; 0 where none has it. Before the graph
+        is placed."""
     def evaluate(self, points: F64, radius: float, parameters: NDArray[np.float32]) -> F64:
         """(n, 8): colour (3), metalness, GGX alpha, emission (3) of the surface at points (n, 3) in
         object axes, m, with footprints of this radius, m. parameters: (count, 4)."""

@@ -18,8 +18,9 @@ DEPTH, ALTITUDE_M, THICKNESS_M = 1.5, 2.0, 0.2
 
 def overcast(**keys: Any) -> dict[str, Any]:
     """A ball of 10 m whose shell is even, 30 m before the camera."""
+    noise = {"coverage": 1.0, "octaves": 1.0, "depth_spread": 0.0}
     shell = {"altitude_km": 1e-3 * ALTITUDE_M, "thickness_km": 1e-3 * THICKNESS_M,
-             "optical_depth": DEPTH, "noise": {"coverage": 1.0, "octaves": 1.0, "depth_spread": 0.0}}  # fmt: skip
+             "optical_depth": DEPTH, "noise": noise}  # fmt: skip
     return tree((48, 48), 60.0, planet=ball(at(30.0), 10.0, clouds=shell | keys))
 
 
@@ -126,5 +127,5 @@ def test_ghosts_are_glare(repo_dir: Path, tmp_path: Path) -> None:
 
 def test_glare_without_a_sensor_is_refused(repo_dir: Path) -> None:
     sim = opened(tree((8, 8), 30.0), repo_dir)
-    with pytest.raises(ConfigError, match="'glare' needs the section camera.sensor"):
+    with pytest.raises(ConfigError, match=r"'glare' needs the section camera\.sensor"):
         sim.frame(0, ["glare"])

@@ -4,26 +4,16 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import Field, model_validator
 
 from perilune.config.elevation import Place, RawSamples
 from perilune.config.errors import fail
-from perilune.config.labels import ClassName
-from perilune.config.types import FileName, StaticFinite, Strict, refuse_drawn
+from perilune.config.labels import ClassName, NumberRange
+from perilune.config.types import FileName, Strict
 
 SURFACE = "surface"
 """Part and class of a body where no area is."""
 AREAS_MAX = 255
-
-
-def _pair(value: object) -> object:
-    """A number becomes the range of it alone."""
-    return (value, value) if isinstance(value, (int, float)) else value
-
-
-_Range = Annotated[
-    tuple[StaticFinite, StaticFinite], BeforeValidator(_pair), BeforeValidator(refuse_drawn)
-]
 
 
 class AreaRaster(Strict):
@@ -41,7 +31,7 @@ class AreaRaster(Strict):
     """Layout of an .img file without a label."""
     band: Annotated[int, Field(strict=True, ge=1)] | None = None
     """Band of a TIFF with several, from 1 on."""
-    classes: Annotated[dict[ClassName, _Range], Field(min_length=1)]
+    classes: Annotated[dict[ClassName, NumberRange], Field(min_length=1)]
     """Name of an area -> its number in the file, or [least, greatest], both included. The first
     area that has a number counts. Numbers are the file's own: 0 to 255 of a PNG of 8 bits."""
 

@@ -8,7 +8,14 @@ from typing import Annotated, Any
 from pydantic import BeforeValidator, Field, model_validator
 
 from perilune.config.errors import fail, nearest
-from perilune.config.types import Integer, Positive, StaticNonNegative, Strict, refuse_drawn
+from perilune.config.types import (
+    Integer,
+    Positive,
+    StaticFinite,
+    StaticNonNegative,
+    Strict,
+    refuse_drawn,
+)
 
 LEVELS = ("kind", "object", "part")
 """Levels that every object has."""
@@ -31,6 +38,17 @@ ClassPatterns = dict[ClassName, tuple[str, ...]]
 matches counts."""
 EntryClasses = dict[Level, ClassName | ClassPatterns]
 """Level -> class of a spacecraft or body at that level, or classes of its parts by patterns."""
+
+
+def _pair(value: object) -> object:
+    """A number becomes the range of it alone."""
+    return (value, value) if isinstance(value, (int, float)) else value
+
+
+NumberRange = Annotated[
+    tuple[StaticFinite, StaticFinite], BeforeValidator(_pair), BeforeValidator(refuse_drawn)
+]
+"""A number, or [least, greatest], both included."""
 
 
 def _several(value: Any) -> Any:

@@ -19,6 +19,7 @@ from pydantic import (
 )
 
 from perilune.config.errors import fail
+from perilune.config.labels import ClassName, Level, NumberRange
 from perilune.config.parts import PartBox
 from perilune.config.types import Finite, Integer, StaticNonNegative, Strict, Vec3
 
@@ -78,6 +79,24 @@ class MaterialDrivers(DriverSection):
     """material: one draw for all users of the node. instance: a draw for each spacecraft."""
 
 
+class GraphClasses(Strict):
+    """Classes of points of a surface at one level of labels, by a value of its graph."""
+
+    value: Annotated[str, Field(min_length=1)]
+    """Name of a node, or `node.output`, whose value says the class of a point. Of a vector or
+    colour the mean or luminance counts. No footprint is averaged over."""
+    classes: Annotated[dict[ClassName, NumberRange], Field(min_length=1)]
+    """Class -> its number, or [least, greatest], both included. The first that has the value
+    counts; where none has it the id is 0."""
+
+    @model_validator(mode="after")
+    def _ranges(self) -> GraphClasses:
+        for name, (low, high) in self.classes.items():
+            if low > high:
+                fail(f"classes.{name}", f"[{low:g}, {high:g}]: the least comes first")
+        return self
+
+
 class Material(Strict):
     """A material as a graph of nodes."""
 
@@ -95,6 +114,9 @@ class Material(Strict):
     name of a node, or `node.output`. Numbers and components take drivers."""
     surface: str | None = None
     """Name of the output node. Default: the only node that is a surface."""
+    labels: dict[Level, GraphClasses] = Field(default_factory=dict)
+    """Level of labels.levels -> classes of points on surfaces with this material, in place of those
+    that their part or area has there."""
     drivers: MaterialDrivers | None = None
     """Values for the graph's nodes `OAISYS_NAME` or `driver:NAME`."""
     instances: dict[str, DriverSection] = Field(default_factory=dict)

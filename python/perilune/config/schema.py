@@ -157,6 +157,10 @@ class Config(Strict):
         stated |= {
             f"spacecraft.{name}.classes": row.classes for name, row in self.spacecraft.items()
         }
+        stated |= {
+            f"materials.{name}.labels": {level: row.classes for level, row in entry.labels.items()}
+            for name, entry in self.materials.items()
+        }
         self.labels.check(stated)
         return self
 

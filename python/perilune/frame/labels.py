@@ -263,9 +263,23 @@ def _class_names(config: Config, parts: Mapping[str, Sequence[PartEntry]]) -> di
             body.classes.get(level, ()) for body in config.bodies.values()
         ]
         own += [craft.classes.get(level, ()) for craft in crafts.values()]
+        own += [
+            row.labels[level].classes for row in config.materials.values() if level in row.labels
+        ]
         for given in own:
             names[level] += [given] if isinstance(given, str) else list(given)
     return {level: names[level] for level in dict.fromkeys((*LEVELS, *labels.levels))}
+
+
+def graph_levels(config: Config) -> dict[str, tuple[int, dict[str, int]]]:
+    """Levels at which material graphs say classes: level -> its place in `semantic`, and ids."""
+    used = {level for row in config.materials.values() for level in row.labels}
+    names = _class_names(config, {})
+    return {
+        level: (k, _numbered(level, names[level], config.labels.ids.get(level, {})))
+        for k, level in enumerate(config.labels.levels)
+        if level in used
+    }
 
 
 def taxonomy(config: Config, parts: Mapping[str, Sequence[PartEntry]]) -> Taxonomy:

@@ -18,6 +18,7 @@ from perilune.config.errors import ConfigError, named, nearest
 from perilune.config.materials import MaterialUse
 from perilune.config.schema import Config
 from perilune.document.document import Document
+from perilune.frame.labels import graph_levels
 from perilune.materials import Graph, ImageFiles, Placed
 from perilune.materials.drivers import given_by_drivers
 from perilune.materials.graph import has_drawn
@@ -59,6 +60,7 @@ class MaterialAssignments:
         self._models = models
         self._partitions = partitions
         self._images = ImageFiles(document.path)
+        self._levels = graph_levels(document.config)
         self._graphs: dict[tuple[Any, ...], Graph] = {}
         self._hooked = {row.path[1] for row in document.drivers if materials.is_drawn(row)}
         self._drawn: dict[tuple[Any, ...], Graph] = {}
@@ -153,7 +155,7 @@ class MaterialAssignments:
 
         def make() -> Graph:
             material = materials.applied(config, name, owner)
-            return materials.build(name, material, wrap, self._images)
+            return materials.build(name, material, wrap, self._images, self._levels)
 
         # The program is that of all owners whose drivers give the same nodes the same values.
         given = given_by_drivers(config, name, owner)

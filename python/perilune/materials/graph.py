@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
@@ -21,6 +21,8 @@ _Constant: TypeAlias = tuple[float, NDArray[np.float32] | None, _core.Map | None
 
 _UNSET: _Input = ("unset", 0, 0, 0.0, 0.0, 0.0)
 _TYPE = "type"
+_CARRIER = "lambert"
+"""Kind of surface of a graph of which one value alone is read."""
 
 
 @dataclass(frozen=True)
@@ -32,11 +34,19 @@ class Graph:
     """(node, input) of each value that a driver gives."""
 
 
-def build(name: str, material: Material, wrap: bool, images: Images | None) -> Graph:
+def build(
+    name: str,
+    material: Material,
+    wrap: bool,
+    images: Images | None,
+    levels: Mapping[str, tuple[int, Mapping[str, int]]] | None = None,
+) -> Graph:
     """Compiles an entry of `materials`. ValueError that names the key of any fault.
 
     Numbers drawn by drivers become parameters; all others are fixed. images: reads image files;
-    None, for checking the graph alone, replaces them by white."""
+    None, for checking the graph alone, replaces them by white. levels: level of labels -> its place
+    in `semantic`, and the ids of its classes; levels of the material that are missing there are
+    checked, and left out."""
     key = f"materials.{name}"
     order = {node: k for k, node in enumerate(material.nodes)}
     surface = surface_of(key, material)
@@ -63,11 +73,39 @@ def build(name: str, material: Material, wrap: bool, images: Images | None) -> G
         nodes.append((node, str(raw[_TYPE]), tuple(inputs), constants))
     try:
         core = _core.Graph(tuple(nodes), order[surface], len(parameters), wrap)
+        for level, row in material.labels.items():
+            where = f"{key}.labels.{level}.value"
+            value = _value_graph(where, row.value, nodes, order, material, len(parameters))
+            if levels is not None and level in levels:
+                index, ids = levels[level]
+                ranges = np.array([*row.classes.values()], dtype=np.float64)
+                numbers = np.array([ids[name] for name in row.classes], dtype=np.uint16)
+                core.add_level(index, value, ranges, numbers)
     except ValueError as error:
         text = str(error)
         named = text.partition(".")[0] in order
         raise ValueError(f"{key}.nodes.{text}" if named else f"{key}: {text}") from None
     return Graph(core, tuple(parameters))
+
+
+def _value_graph(
+    where: str,
+    value: str,
+    nodes: Sequence[tuple[Any, ...]],
+    order: Mapping[str, int],
+    material: Material,
+    parameters: int,
+) -> _core.Graph:
+    """The same nodes below a surface whose emission strength is the value of one of them."""
+    kind = _core.NODES[_CARRIER]
+    inputs = tuple(
+        _input(where, socket, value, order, material)
+        if socket["name"] == "emission_strength"
+        else _UNSET
+        for socket in kind["inputs"]
+    )
+    carrier = (where, _CARRIER, inputs, ())
+    return _core.Graph((*nodes, carrier), len(nodes), parameters, False)
 
 
 def values(
