@@ -25,7 +25,7 @@
 #include "terrain/area_map.h"
 #include "terrain/crater_marks.h"
 
-enum { PL_LEVELS_MAX = 8 };
+enum { PL_LEVELS_MAX = 32 };
 
 /* Assignment of a model's triangles to parts, and the labels of the parts. */
 typedef struct pl_part_table {

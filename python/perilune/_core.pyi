@@ -385,7 +385,7 @@ class Graph:
 class Scene:
     """What does not change from frame to frame: models, maps, label ids."""
     def __new__(cls, levels: int) -> Self:
-        """levels: number of semantic levels, 1..8."""
+        """levels: number of semantic levels, 1..32."""
     def add_body(
         self, *, name: str, map: Map | None, map_center_lon_rad: float, reflectance: str,
         instance_id: int, part_id: int, class_ids: NDArray[np.uint16], regolith_map: Grid | None,

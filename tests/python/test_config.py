@@ -478,7 +478,7 @@ def test_every_physical_key_has_its_unit():
         "_mm",
     )
     plain = {
-        "version", "seed", "width", "height", "K", "eccentricity", "albedo", "samples",
+        "version", "seed", "width", "height", "K", "eccentricity", "albedo", "samples", "layers",
         "max_bounces", "metres_per_unit", "obj_id", "percentile", "key", "strength", "interval",
         "direction", "spin_axis", "cone_axis", "up", "axis", "ids", "white_radiance_w_m2_sr",
         "min_white_radiance_w_m2_sr",

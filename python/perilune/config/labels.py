@@ -114,7 +114,7 @@ class CoverageLabels(Strict):
 class Labels(Strict):
     """Levels and classes of the semantic labels; id 0 is the background at every level."""
 
-    levels: Annotated[tuple[Level, ...], Field(min_length=1)] = LEVELS
+    levels: Annotated[tuple[Level, ...], Field(min_length=1, max_length=32)] = LEVELS
     """Levels of `semantic`, in order. kind: body or spacecraft; object: class of the object; part:
     class of the part, or area of a body; ground: terrain, crater, rock, spacecraft, or body for one
     without terrain; material: the material of a model's part, by its name in the file. At levels

@@ -21,6 +21,8 @@ from perilune.frame.html import taxonomy_html
 from perilune.spacecraft.parts import PartEntry
 
 BACKGROUND = "background"
+OTHERS = "others"
+"""Name of -1 in `coverage_instance`: all instances that have no layer of their own."""
 HAZARDS = {0: "safe", 1: "slope", 2: "roughness", 4: "rocks", 128: "unknown"}
 """Bits of the channel `hazard`, which are summed."""
 SHADOWS = {0: "sunlit or sky", 1: "shadow"}
@@ -74,6 +76,8 @@ class Taxonomy:
         """Id -> name, for `instance`, `part`, or a level of `semantic` (its name or number)."""
         if channel == "instance":
             return {0: BACKGROUND, **{id_: name for name, id_ in self.instances.items()}}
+        if channel == "coverage_instance":
+            return {-1: OTHERS, **self.names("instance")}
         if channel == "part":
             return {0: BACKGROUND, **{part.id: f"{part.owner}/{part.name}" for part in self.parts}}
         level = channel.removeprefix("semantic/")
@@ -90,7 +94,12 @@ class Taxonomy:
     @property
     def channel_names(self) -> dict[str, dict[int, str]]:
         """`names` of instance, part, semantic/0, semantic/1 ..."""
-        channels = ["instance", "part", *(f"semantic/{k}" for k in range(len(self.levels)))]
+        channels = [
+            "instance",
+            "coverage_instance",
+            "part",
+            *(f"semantic/{k}" for k in range(len(self.levels))),
+        ]
         named = {channel: self.names(channel) for channel in channels}
         return named | {channel: dict(values) for channel, values in VALUES.items()}
 

@@ -29,7 +29,12 @@ def read(folder, name, entry):
 @pytest.fixture(scope="module")
 def sim(small_scene, pair):
     bands = [{"center_um": c, "width_um": 0.1} for c in (0.5, 0.6, 0.7, 0.8)]
-    changes = {"render.channels": NAMES, "render.samples": 1, "camera.bands": bands}
+    changes = {
+        "render.channels": NAMES,
+        "render.samples": 1,
+        "camera.bands": bands,
+        "camera.sensor": {},
+    }
     return perilune.open(small_scene, overrides={**pair, **changes})
 
 

@@ -128,7 +128,7 @@ def label_names(sim: Simulation, channels: Iterable[str]) -> dict[str, Any]:
         if channel == "semantic":
             levels = sim.taxonomy.levels
             found[channel] = [{"level": level, "names": names_of(level)} for level in levels]
-        elif channel in ("instance", "part"):
+        elif channel in ("instance", "coverage_instance", "part"):
             found[channel] = names_of(channel)
         elif channel in VALUES:
             found[channel] = {str(value): name for value, name in VALUES[channel].items()}

@@ -75,6 +75,19 @@ def layers_panel(name: str, values: Array, context: Context) -> list[Panel]:
     ]
 
 
+def parts_panel(name: str, values: Array, context: Context) -> list[Panel]:
+    """Parts of a whole (H, W), or a panel per layer of (H, W, n): black is none, white all."""
+    if values.ndim == 3:
+        titles = [f"{name}/{layer}" for layer in range(values.shape[2])]
+        return [
+            parts_panel(title, values[:, :, layer], context)[0]
+            for layer, title in enumerate(titles)
+        ]
+    grey = np.rint(255.0 * values.clip(0.0, 1.0)).astype(np.uint8)
+    text = f"black 0, white 1; up to {values.max():.3g}"
+    return [Panel(name, np.repeat(grey[:, :, None], 3, axis=2), text=text)]
+
+
 def image_panel(name: str, values: Array, context: Context) -> list[Panel]:
     """Display-encoded pixels as they are."""
     return [
@@ -170,11 +183,11 @@ def id_panel(name: str, values: Array, context: Context) -> list[Panel]:
 
 
 def levels_panel(name: str, values: Array, context: Context) -> list[Panel]:
-    """Class ids (H, W, L): a panel per level."""
-    return [
-        id_panel(f"{name}/{level}", values[:, :, level], context)[0]
-        for level in range(values.shape[2])
-    ]
+    """Ids (H, W, L): a panel per level, whose names are its own or those of all."""
+    titles = [f"{name}/{level}" for level in range(values.shape[2])]
+    shared = dict.fromkeys(titles, context.names[name]) if name in context.names else {}
+    named = replace(context, names={**shared, **context.names})
+    return [id_panel(title, values[:, :, level], named)[0] for level, title in enumerate(titles)]
 
 
 def bands_panel(name: str, values: Array, context: Context) -> list[Panel]:
@@ -232,7 +245,8 @@ KINDS: dict[str, Kind] = {
     "albedo": radiance_panel,
     "flow": flow_panel,
     "semantic": levels_panel,
-    "coverage": layers_panel,
+    "coverage": parts_panel,
+    "cloud_opacity": parts_panel,
     "slope_baseline": layers_panel,
     "rms_height": layers_panel,
     "hazard": hazard_panel,
