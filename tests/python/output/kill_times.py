@@ -28,7 +28,7 @@ from .stops import Canned, tree_bytes
 
 FRAMES = range(12)
 CHANNELS = ["rgb", "depth", "semantic", "part", "instance", "objects", "masks", "flow"]
-CHANNELS += ["keypoints", "flow_occlusion", "radiance"]
+CHANNELS += ["keypoints", "flow_occlusion", "radiance", "range", "position", "normal"]
 
 
 def scene(folder: Path) -> Path:
