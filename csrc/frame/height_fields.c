@@ -26,16 +26,17 @@ static void add_sides(const pl_snapshot *shot, const pl_shot_body *body,
 }
 
 /* Sets the cone of rays that are not those of pixels. */
-static void look(const pl_snapshot *shot, const pl_looks *looks, pl_ground_tile_view *view) {
-  view->pixel_rad = looks->pixel_rad;
-  view->axis = pl_mat3_mul_vec(shot->camera_to_root, looks->axis);
-  view->half_angle_rad = looks->half_angle_rad;
+static void take_cone(const pl_snapshot *shot, const pl_beam_cone *beams,
+                      pl_ground_tile_view *view) {
+  view->pixel_rad = beams->pixel_rad;
+  view->axis = pl_mat3_mul_vec(shot->camera_to_root, beams->axis);
+  view->half_angle_rad = beams->half_angle_rad;
   view->side_count = 0;
 }
 
 /* The view of a body's terrain, in body axes. */
 static pl_ground_tile_view view_of(const pl_snapshot *shot, const pl_shot_body *body,
-                                   const pl_looks *looks) {
+                                   const pl_beam_cone *beams) {
   const double image[4] = {-0.5, -0.5, shot->rays.camera.width - 0.5,
                            shot->rays.camera.height - 0.5};
   pl_ground_tile_view view = {
@@ -49,8 +50,8 @@ static pl_ground_tile_view view_of(const pl_snapshot *shot, const pl_shot_body *
   };
   add_sides(shot, body, &view);
   pl_snapshot_cone(shot, image, &view.axis, &view.half_angle_rad);
-  if (looks->pixel_rad > 0.0)
-    look(shot, looks, &view);
+  if (beams->pixel_rad > 0.0)
+    take_cone(shot, beams, &view);
   view.axis = pl_mat3_mul_vec_t(body->rotation, view.axis);
   view.to_sun = pl_vec3_unit(
       pl_mat3_mul_vec_t(body->rotation, pl_vec3_sub(shot->sun.position, body->center)));
@@ -73,7 +74,7 @@ static pl_status place(pl_accelerators *kept, const pl_snapshot *shot, const pl_
     body->outer_m = body->radius_m;
     return pl_shot_check_outside(body);
   }
-  pl_ground_tile_view view = view_of(shot, body, &choice->looks);
+  pl_ground_tile_view view = view_of(shot, body, &choice->beams);
   view.finest_level = choice->terrain_levels;
   view.far_casters = choice->settings.effects.far_casters > 0;
   view.rays = choice->albedo || (choice->colour && choice->settings.detail.rays);

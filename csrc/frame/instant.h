@@ -7,11 +7,11 @@
 #include "render/render.h"
 
 /* Directions in which rays leave that are not those of the camera's pixels. */
-typedef struct pl_looks {
+typedef struct pl_beam_cone {
   pl_vec3 axis;          /* of a cone that contains them, unit, camera axes */
   double half_angle_rad; /* of the cone */
   double pixel_rad;      /* angle that a ray stands for; 0: rays are those of pixels */
-} pl_looks;
+} pl_beam_cone;
 
 /* Settings for making an instant from a survey: derived from a frame's plan, or fixed. */
 typedef struct pl_choice {
@@ -20,7 +20,7 @@ typedef struct pl_choice {
   double tolerance_dn;
   int threads;        /* that build height fields; the result is the same for any number */
   pl_cancel *cancel;  /* borrowed; may be NULL */
-  pl_looks looks;     /* all zero: rays are those of pixels */
+  pl_beam_cone beams; /* all zero: rays are those of pixels */
   int terrain_levels; /* up to which meshes of terrain are refined; 0: ellipsoids */
   bool albedo;        /* labels show the ground's albedo */
   bool colour;        /* false: labels only, and the fields below are ignored */

@@ -92,9 +92,9 @@ static pl_status measure_scan(bench *b) {
       .terrain_levels = PL_CUBE_LEVELS,
       .threads = 1,
       .settings.effects = {.distortion = 1},
-      .looks = {.pixel_rad = fmax(b->source->divergence_rad, PL_SCAN_PIXEL_RAD)},
+      .beams = {.pixel_rad = fmax(b->source->divergence_rad, PL_SCAN_PIXEL_RAD)},
   };
-  pl_ray_source_cone(b->source, &choice.looks.axis, &choice.looks.half_angle_rad);
+  pl_ray_source_cone(b->source, &choice.beams.axis, &choice.beams.half_angle_rad);
   const pl_instant *instant;
   PL_TRY(pl_realise(b->kept, &b->survey, &choice, &b->arena, &instant));
   const pl_mat3 *to_root = &instant->shot.camera_to_root;

@@ -354,13 +354,13 @@ static pl_status realise(pl_renderer *renderer, pl_scan_job *job) {
       .terrain_levels = PL_CUBE_LEVELS,
       .threads = request->threads,
       .cancel = request->cancel,
-      .looks = {.pixel_rad = fmax(job->scan->source.divergence_rad, PL_SCAN_PIXEL_RAD)},
+      .beams = {.pixel_rad = fmax(job->scan->source.divergence_rad, PL_SCAN_PIXEL_RAD)},
   };
   pl_arena_reset(arena);
   if (!job->scan->source.kind->camera)
-    pl_ray_source_cone(&job->scan->source, &choice.looks.axis, &choice.looks.half_angle_rad);
+    pl_ray_source_cone(&job->scan->source, &choice.beams.axis, &choice.beams.half_angle_rad);
   else
-    choice.looks.pixel_rad = 0.0;
+    choice.beams.pixel_rad = 0.0;
   if (job->moves) {
     pl_placement *now = pl_arena_alloc(arena, 1, sizeof *now);
     if (now == NULL)

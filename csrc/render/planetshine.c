@@ -36,9 +36,9 @@ static const float MIRRORS_MAX = 0.8f;
 static const double PARALLAX_MAX = 0.003;
 
 /* Objects closer to each other than LIKE of a body's distance share one estimate of its radiance. A
- * frame makes at most LOOKS estimates; after that the nearest one is used. */
+ * frame makes at most ESTIMATES estimates; after that the nearest one is used. */
 static const double LIKE = 0.05;
-enum { LOOKS = 64 };
+enum { ESTIMATES = 64 };
 /* Minimum colour assumed for a body with clouds or air. */
 static const float VEILED = 0.3f;
 
@@ -134,12 +134,12 @@ static ranking rank_bodies(pl_planetshine *p, const place *at) {
 static const pl_body_radiance *find_radiance(const pl_planetshine *p, uint32_t body, pl_vec3 point,
                                              double gap_m) {
   const pl_body_radiance *out = NULL;
-  double least = p->radiance_count < LOOKS ? LIKE * gap_m : INFINITY;
+  double least = p->radiance_count < ESTIMATES ? LIKE * gap_m : INFINITY;
   for (size_t i = 0; i < p->radiance_count; i++) {
-    const double apart = pl_vec3_norm(pl_vec3_sub(p->looks[i].point, point));
-    if (p->looks[i].body == body && apart < least) {
+    const double apart = pl_vec3_norm(pl_vec3_sub(p->estimates[i].point, point));
+    if (p->estimates[i].body == body && apart < least) {
       least = apart;
-      out = &p->looks[i];
+      out = &p->estimates[i];
     }
   }
   return out;
@@ -147,35 +147,36 @@ static const pl_body_radiance *find_radiance(const pl_planetshine *p, uint32_t b
 
 /* The radiance of a body as seen from an object's centre, or from the point of a body's surface
  * that is nearest to the other body. */
-static const pl_body_radiance *look_from(pl_planetshine *p, const pl_render_settings *settings,
-                                         const place *at, uint32_t body) {
+static const pl_body_radiance *radiance_from(pl_planetshine *p, const pl_render_settings *settings,
+                                             const place *at, uint32_t body) {
   const pl_vec3 to = pl_vec3_sub(p->shot->bodies[body].center, at->center);
   const double apart = pl_vec3_norm(to), gap = apart - p->shot->bodies[body].radius_m;
   pl_vec3 point = at->center;
   if (at->own >= 0 && gap > at->radius_m)
     point = pl_vec3_madd(point, at->radius_m / apart, to);
   const pl_body_radiance *like = find_radiance(p, body, point, gap);
-  if (like != NULL || p->radiance_count == LOOKS)
+  if (like != NULL || p->radiance_count == ESTIMATES)
     return like;
-  pl_body_radiance *look = &p->looks[p->radiance_count];
-  if (!pl_body_radiance_make(p->shot, settings, body, p->suns[body], point, look))
+  pl_body_radiance *radiance = &p->estimates[p->radiance_count];
+  if (!pl_body_radiance_make(p->shot, settings, body, p->suns[body], point, radiance))
     return NULL;
   p->radiance_count++;
-  return look;
+  return radiance;
 }
 
-static void look_at(const pl_planetshine *p, const pl_body_radiance *look, pl_vec3 point,
-                    pl_planetshine_light *out) {
+static void place_light(const pl_planetshine *p, const pl_body_radiance *radiance, pl_vec3 point,
+                        pl_planetshine_light *out) {
   double even;
-  out->seen =
-      pl_body_disc_make(&p->shot->bodies[look->body], p->suns[look->body], point, &out->disc);
+  out->seen = pl_body_disc_make(&p->shot->bodies[radiance->body], p->suns[radiance->body], point,
+                                &out->disc);
   if (!out->seen)
     return;
-  const float larger = (float)(out->disc.most / look->most);
-  out->table = &look->table;
-  out->middle = pl_vec3_to_float(pl_disc_direction(&out->disc, look->part, look->turn_rad, &even));
-  out->irradiance = larger * look->irradiance;
-  out->wide_sr = larger * look->wide_sr;
+  const float larger = (float)(out->disc.most / radiance->most);
+  out->table = &radiance->table;
+  out->middle =
+      pl_vec3_to_float(pl_disc_direction(&out->disc, radiance->part, radiance->turn_rad, &even));
+  out->irradiance = larger * radiance->irradiance;
+  out->wide_sr = larger * radiance->wide_sr;
 }
 
 static void fill_sky(pl_planetshine *p, const pl_render_settings *settings, const place *at,
@@ -184,14 +185,14 @@ static void fill_sky(pl_planetshine *p, const pl_render_settings *settings, cons
   sky->far = true;
   sky->other += ranking.other;
   for (int i = 0; i < ranking.count; i++) {
-    const pl_body_radiance *look = look_from(p, settings, at, ranking.body[i]);
-    if (look == NULL || !(look->irradiance > INVISIBLE * PL_PI_F * p->white))
+    const pl_body_radiance *radiance = radiance_from(p, settings, at, ranking.body[i]);
+    if (radiance == NULL || !(radiance->irradiance > INVISIBLE * PL_PI_F * p->white))
       continue;
-    const pl_shot_body *body = &p->shot->bodies[look->body];
+    const pl_shot_body *body = &p->shot->bodies[radiance->body];
     const double gap = pl_vec3_norm(pl_vec3_sub(body->center, at->center)) - body->radius_m;
     sky->far = sky->far && at->radius_m < PARALLAX_MAX * fmin(gap, body->radius_m);
-    look_at(p, look, at->center, &sky->lights[sky->count]);
-    sky->look[sky->count++] = look;
+    place_light(p, radiance, at->center, &sky->lights[sky->count]);
+    sky->estimate[sky->count++] = radiance;
   }
   p->any = p->any || sky->count > 0;
 }
@@ -238,11 +239,11 @@ pl_status pl_planetshine_build(const pl_snapshot *shot, const pl_render_settings
       .radiance = pl_arena_alloc(arena, shot->body_count, sizeof *out->radiance),
       .strength = pl_arena_alloc(arena, shot->body_tree.count, sizeof *out->strength),
       .found = pl_arena_alloc(arena, shot->body_count, sizeof *out->found),
-      .looks = pl_arena_alloc(arena, LOOKS, sizeof *out->looks),
+      .estimates = pl_arena_alloc(arena, ESTIMATES, sizeof *out->estimates),
       .skies = pl_arena_alloc(arena, entities, sizeof *out->skies),
   };
   if (out->suns == NULL || out->radiance == NULL || out->strength == NULL || out->found == NULL ||
-      out->looks == NULL || out->skies == NULL)
+      out->estimates == NULL || out->skies == NULL)
     return pl_fail(PL_E_MEMORY, "out of memory for the light of %zu bodies", shot->body_count);
   for (size_t i = 0; i < shot->body_count; i++) {
     const pl_shot_body *body = &shot->bodies[i];
@@ -297,7 +298,7 @@ static void list_bodies(const pl_planetshine *p, const pl_planetshine_sky *sky,
     pl_planetshine_light own;
     const pl_planetshine_light *light = sky->far ? &sky->lights[i] : &own;
     if (!sky->far)
-      look_at(p, sky->look[i], vertex->position, &own);
+      place_light(p, sky->estimate[i], vertex->position, &own);
     if (!light->seen)
       continue;
     const guess found = guess_at(light, &vertex->surface, wo);

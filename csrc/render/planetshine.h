@@ -25,7 +25,7 @@ typedef struct pl_planetshine_light {
 
 /* The bodies in the sky of one object or body, computed once per frame. */
 typedef struct pl_planetshine_sky {
-  const pl_body_radiance *look[PL_PLANETSHINE_LIGHTS];
+  const pl_body_radiance *estimate[PL_PLANETSHINE_LIGHTS];
   int count;
   /* the sky looks the same from all of the object as from its centre: `lights` are valid */
   bool far;
@@ -39,7 +39,7 @@ typedef struct pl_planetshine {
   float white;             /* radiance shown as white; noise above it is not visible, W m-2 sr-1 */
   pl_vec3 *suns;           /* of each body: vector to the sun, root axes, m */
   float *radiance;         /* of each body: estimate for the sun overhead, W m-2 sr-1 */
-  pl_body_radiance *looks; /* shared by objects that see a body alike */
+  pl_body_radiance *estimates; /* shared by objects that see a body alike */
   size_t radiance_count;
   pl_planetshine_sky *skies; /* of each object and body */
   bool any;                  /* there is a body to sample from somewhere */

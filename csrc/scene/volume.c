@@ -27,7 +27,8 @@ static bool good_pose(const pl_pose *pose) {
 
 static pl_status check(const pl_volume *volume, size_t entities) {
   if (volume->parent >= entities)
-    return pl_fail(PL_E_RANGE, "volume '%s': thing %zu is not there", volume->name, volume->parent);
+    return pl_fail(PL_E_RANGE, "volume '%s': entity %zu is not there", volume->name,
+                   volume->parent);
   if (!good_size(volume))
     return pl_fail(PL_E_RANGE,
                    "volume '%s': a size must be %g..%g m; a cone's radii may be 0, but not both",
