@@ -265,13 +265,6 @@ template <typename T> T *move_out(std::vector<T> &from, const char *what) {
   return static_cast<T *>(memory);
 }
 
-char *copy_text(const std::string &text) {
-  char *copy = pl_strdup(text.c_str());
-  if (copy == nullptr)
-    fail(PL_E_MEMORY, "out of memory for names");
-  return copy;
-}
-
 void fill_arrays(Flat &flat, pl_model *model) {
   model->vertex_count = flat.positions.size() / 3;
   model->triangle_count = flat.indices.size() / 3;

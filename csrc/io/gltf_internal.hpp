@@ -28,6 +28,9 @@ struct Fault {
  * to 100 bytes. */
 std::string printable(const std::string &text);
 
+/* Returns a copy of a name in the model's memory; throws a Fault when there is none. */
+char *copy_text(const std::string &text);
+
 /* Warning lines for the user, without duplicates. */
 class Warnings {
 public:

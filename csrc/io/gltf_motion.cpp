@@ -51,13 +51,6 @@ pl_trs trs_of(const tinygltf::Node &node) {
   return out;
 }
 
-char *copy_text(const std::string &text) {
-  char *copy = pl_strdup(text.c_str());
-  if (copy == nullptr)
-    fail(PL_E_MEMORY, "out of memory for names");
-  return copy;
-}
-
 template <typename T> T *allocate(size_t count, const char *what) {
   void *memory;
   if (pl_alloc_or_fail(count, sizeof(T), what, &memory) != PL_OK)

@@ -133,6 +133,13 @@ std::string printable(const std::string &text) {
   return out;
 }
 
+char *copy_text(const std::string &text) {
+  char *copy = pl_strdup(text.c_str());
+  if (copy == nullptr)
+    fail(PL_E_MEMORY, "out of memory for names");
+  return copy;
+}
+
 void Warnings::add(const char *format, ...) {
   va_list arguments;
   va_start(arguments, format);
