@@ -93,21 +93,34 @@ need_venv() {
   export PATH=$VENV/bin:$PATH
 }
 
+# dependencies EXTRA: what pyproject.toml asks for, and the extra's, a line each.
+dependencies() {
+  "$VENV/bin/python" - "$@" <<'END'
+import sys, tomllib
+project = tomllib.load(open("pyproject.toml", "rb"))["project"]
+extras = [name for names in sys.argv[1:] for name in names.split(",")]
+print(*project["dependencies"], *(line for name in extras for line in project["optional-dependencies"][name]), sep="\n")
+END
+}
+
 # need_package [EXTRA]: builds and installs perilune in place, with the dependencies of the extra.
-# When dependencies and metadata are as last time only the extension is brought up to date.
+# When dependencies and metadata are as last time only the extension is brought up to date. With the
+# lock, builds of the same sources wait for each other, and the second finds them in ccache.
 need_package() {
-  local extra=${1:-} state stamp
+  local extra=${1:-} state stamp lock=(flock "$LOGS/core.lock")
   state=$(cat pyproject.toml setup.py | sha256sum)
   for stamp in "$VENV/.perilune" ${extra:+"$VENV/.perilune-$extra"}; do
     if [[ $(cat "$stamp" 2>/dev/null) != "$state" ]]; then
       say "Installing Python packages and building perilune"
-      quietly pip-build "$VENV/bin/pip" install "setuptools>=77" wheel "numpy>=2"
-      quietly pip-install "$VENV/bin/pip" install --no-build-isolation -e ".${extra:+[$extra]}"
+      dependencies ${extra:+"$extra"} >"$LOGS/requirements.txt"
+      # Bytecode of what is never imported is not made.
+      quietly pip-dependencies "$VENV/bin/pip" install --no-compile "setuptools>=77" wheel -r "$LOGS/requirements.txt"
+      quietly pip-install "${lock[@]}" "$VENV/bin/pip" install --no-build-isolation --no-deps -e .
       printf '%s' "$state" >"$VENV/.perilune"
       [[ -z $extra ]] || printf '%s' "$state" >"$VENV/.perilune-$extra"
       return
     fi
   done
   say "Bringing the extension up to date"
-  quietly build "$VENV/bin/python" setup.py build_ext --inplace
+  quietly build "${lock[@]}" "$VENV/bin/python" setup.py build_ext --inplace
 }
