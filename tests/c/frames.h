@@ -76,6 +76,7 @@ static inline pl_frame_request request_all(const stage *s, const film *f) {
                  .baseline_count = 2,
                  .disc_points = 16,
                  .hazard = {5.0, 0.2, 0.1, 0.3}},
+      .coverage = {.samples = 4, .layers = 2}, /* likewise */
   };
   for (size_t i = 0; i < pl_channel_count; i++)
     request.channels[i] = f->channels[i];
