@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import os
 import re
 import shlex
-import subprocess
-import sys
 import tomllib
 import warnings
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 import pytest
+from tests.python.documents.page_process import Pages
 from tests.python.documents.pages import PAGES, ROOT, Block, all_blocks, blocks, text_of
 
 import perilune
@@ -69,9 +67,35 @@ def test_blocks_are_fenced(page: str) -> None:
     assert indented == []
 
 
+@pytest.fixture(scope="module")
+def pages() -> Iterator[Pages]:
+    """Starts on demand: most tests of this file run no page."""
+    processes = Pages(ROOT)
+    yield processes
+    processes.close()
+
+
+def test_a_page_that_fails_is_told(pages: Pages, tmp_path: Path) -> None:
+    """By its exception, by its exit status or by a signal; and the next one starts anew."""
+    script = tmp_path / "page.py"
+    ends = {
+        "raise ValueError('no such key')": (1, "ValueError: no such key"),
+        "import sys; sys.exit(3)": (3, ""),
+        "import os; os.kill(os.getpid(), 9)": (-9, ""),
+        "import other; assert other.HERE": (0, ""),
+        "import sys; assert 'torch' not in sys.modules": (0, ""),
+    }
+    (tmp_path / "other.py").write_text("HERE = True")
+    for code, (expected, text) in ends.items():
+        script.write_text(code)
+        status, errors = pages.run(script, tmp_path)
+        assert (status, text in errors) == (expected, True), errors
+
+
 @pytest.mark.parametrize("page", PYTHON_PAGES)
-def test_python_runs(page: str, tmp_path: Path) -> None:
-    """The blocks of a page one after the other, in one process, from the root of the repository.
+def test_python_runs(page: str, pages: Pages, tmp_path: Path) -> None:
+    """The blocks of a page one after the other, in a process of their own, from the repository's
+    root.
 
     A block that begins with the name of a file is that file."""
     run = []
@@ -86,15 +110,8 @@ def test_python_runs(page: str, tmp_path: Path) -> None:
     assert run
     script = tmp_path / "blocks.py"
     script.write_text("\n".join(run))
-    done = subprocess.run(
-        [sys.executable, str(script)],
-        cwd=ROOT,
-        env={**os.environ, "PYTHONPATH": str(tmp_path)},
-        capture_output=True,
-        text=True,
-        timeout=300,
-    )
-    assert done.returncode == 0, done.stderr
+    status, errors = pages.run(script, tmp_path)
+    assert status == 0, errors
 
 
 def merged(whole: Any, part: Any) -> Any:
