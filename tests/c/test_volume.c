@@ -396,7 +396,7 @@ static void test_refusals(void **state) {
     const char *says;
     pl_volume bad;
   } rows[] = {
-      {"thing 7", {.parent = 7}},
+      {"entity 7", {.parent = 7}},
       {"size", {.size = {1, 0, 1}}},
       {"size", {.size = {1, NAN, 1}}},
       {"pose", {.local = {{0, 0, 0}, {2, 0, 0, 0}}}},
