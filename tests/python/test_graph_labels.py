@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 from tests.python.optics_scenes import at, ball, opened, tree
+from tests.python.shape_scenes import ball as shape_ball
+from tests.python.shape_scenes import write_obj
 
 import perilune
 from perilune.config import ConfigError
@@ -72,6 +74,26 @@ def test_the_class_is_that_of_the_point(repo_dir: Path, name: str, axis: int, sc
     assert on.sum() > 100
     assert set(found) == {"far", "middle", "background"}
     assert np.array_equal(found[clear], expected(along)[clear])
+
+
+@pytest.mark.parametrize("kind", ["shape", "terrain"])
+def test_the_class_on_meshes_of_bodies(repo_dir: Path, tmp_path: Path, kind: str) -> None:
+    """Heights and facets are those of the surface that is seen."""
+    moved = scene()
+    moon = moved["bodies"]["moon"]
+    if kind == "shape":
+        corners, faces = shape_ball(12)  # of 8 m, in km
+        moon["shape"] = str(write_obj(tmp_path / "ball.obj", 8e-3 * corners, faces))
+    else:
+        moon["terrain"] = {"detail": {"deviation_m": 0.2, "baseline_m": 1.0, "hurst": 0.8}}
+    sim = opened(moved, repo_dir)
+    sample = sim.frame(0, ["semantic", "instance", "object_coords"])
+    on = sample["instance"] == sim.taxonomy.instances["moon"]
+    along = 0.1 * sample["object_coords"][..., 2][on]
+    clear = np.abs(np.abs(along) - 0.1) > 1e-4
+    assert on.sum() > 100
+    assert np.array_equal(named(sim, sample)[on][clear], expected(along)[clear])
+    assert len(set(named(sim, sample)[on])) == 3
 
 
 def test_other_levels_and_surfaces_stay(repo_dir: Path) -> None:
