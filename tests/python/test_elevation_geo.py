@@ -7,13 +7,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+import rasterio
 from numpy.typing import NDArray
 from tests.python.test_elevation import LOCAL, MOON, numbers, posts_of, read
 
 from perilune.bodies.surface_rasters import ALBEDO, read_surface
 from perilune.config.elevation import SurfaceRaster
-
-rasterio = pytest.importorskip("rasterio")
 
 LONGLAT = "+proj=longlat +R=1737400 +no_defs"
 POLAR = "+proj=stere +lat_0=-90 +lat_ts=-90 +R=1737400 +units=m +no_defs"

@@ -170,6 +170,9 @@ def test_planes_are_bare_sensors_behind_their_filters():
     sim = perilune.open(ball(albedo, sensor, {"bands": TWO}))
     seen = electrons(sim)
     assert seen.shape == (9, 9, 2)
+    for name in ("sensor_rgb", "glare"):
+        with pytest.raises(ConfigError, match=rf"'{name}': none where .* is planes"):
+            sim.frame(0, [name])
     for plane, curve in enumerate((spectra.gaussian(0.55, 0.04), spectra.box(0.75, 0.85))):
         photons = np.array(spectra.gather(None, curve)["moment_um"]) @ albedo * 1e-6
         radiance = 1361.0 / np.pi * photons / (constants.h * constants.c)

@@ -383,8 +383,9 @@ def test_rays_of_ones_own(repo_dir):
             sim.trace(0, wrong)
     with pytest.raises(ValueError, match="depth"):
         sim.trace(0, rays, ["depht"])
-    with pytest.raises(ValueError, match="only channels that a single ray fills"):
-        sim.trace(0, rays, ["rgb"])
+    for name in ("rgb", "coverage", "cloud_opacity", "slope_baseline"):
+        with pytest.raises(ValueError, match="only channels that a single ray fills"):
+            sim.trace(0, rays, [name])
 
 
 def test_beams_are_timed(repo_dir):

@@ -21,6 +21,7 @@ from perilune.frame import scans
 from perilune.frame.handles import Handles
 from perilune.frame.placing import placed
 from perilune.frame.remarks import Remarks
+from perilune.frame.request import channel_layout
 from perilune.world import World
 
 Array = NDArray[Any]
@@ -101,16 +102,14 @@ class RangeSensors:
         source = scans.given(rays)
         count, last_s = _core.source_extent(source)
         world, request = _scanned(self, index, last_s, None)
-        levels = {-1: len(self.config.labels.levels)}
         out = {}
         for name in arguments.names("channels", channels):
             row = next((row for row in _core.CHANNELS if row["name"] == name), None)
             if row is None:
                 known = [row["name"] for row in _core.CHANNELS]
                 raise ValueError(f"channels: no channel is named '{name}'{nearest(name, known)}")
-            size = levels.get(row["components"], max(row["components"], 0))
-            tail = (size,) if size else ()
-            out[name] = np.empty((1, count, *tail), np.dtype(row["dtype"]))
+            (_, _, *tail), dtype = channel_layout(self.config, name)
+            out[name] = np.empty((1, count, *tail), dtype)
         handles = self._mine()
         with handles.lock:
             renderer = handles.renderer_of(world.config)
