@@ -6,6 +6,7 @@ samples each at a tolerance of 0, in two halves whose radiances are averaged: th
 the differences to the one and to the other is the square of the error, without the noise of the
 reference. Its pixels are means of 3 x 3 smaller ones, of 5 x 5, 7 x 7 and 9 x 9: samples have the
 same places in all pixels and for all seeds, so that frames of equal pixels have errors in common.
+Stars, which frames spread over four pixels to keep their centroids, are spread as wide there.
 
 Every point is the mean square of several frames whose samplers have seeds of their own, more where
 samples are few, and has a standard error: a few pixels that meet the sun by chance hold most of the
@@ -76,6 +77,27 @@ def corners(depth: Radiance, size: tuple[int, int], count: int) -> list[tuple[in
     seen = np.stack((columns - size[0] // 2, rows - size[1] // 2), axis=1)
     chosen = seen[np.random.default_rng(1).integers(len(seen), size=count)]
     return [(int(x), int(y)) for x, y in np.clip(chosen, 0, most)]
+
+
+def starlight(
+    whole: Simulation, dark: Simulation, size: tuple[int, int], parts: int, corner: tuple[int, int]
+) -> F64:
+    """(rows, columns, 3) radiance of the stars that `whole` has and `dark` has not, from pixels in
+    so many parts. A frame shares out a star to the four pixels about it by bilinear weights, so
+    that parts of a pixel count by their distance from its centre, and those around it, too."""
+    wide = size[0] + 2, size[1] + 2
+    light = []
+    for kind in (whole, dark):
+        sim = Asked.of(kind, wide, parts)
+        sim.white, sim.corner = 1.0, (corner[0] - 1, corner[1] - 1)
+        sim.quality = {"samples": 1, "tolerance_dn": 0.0}
+        light.append(sim.frame(0, channels=["radiance"])["radiance"].astype(float))
+    across, down = (
+        np.maximum(0.0, 1.0 - np.abs((np.arange((n + 2) * parts) + 0.5) / parts
+                                     - (np.arange(n)[:, None] + 1.5)))
+        for n in size
+    )  # fmt: skip
+    return np.einsum("yv,vuc,xu->yxc", down, light[0] - light[1], across) / parts**2
 
 
 def encode(radiance: Radiance, white: float) -> F64:
@@ -189,11 +211,16 @@ class Scene:
         if isinstance(windows, int):
             windows = corners(first["depth"], size, windows) if windows else [(0, 0)]
         self._corners = windows
+        starry = whole.config.sky is not None and whole.config.sky.stars is not None
+        dark = whole.with_overrides({"sky.stars": None}) if starry else whole
         frames = []
         for k in range(seeds):
-            fine = Asked.of(whole, size, PARTS[k % len(PARTS)])
+            fine = Asked.of(dark, size, PARTS[k % len(PARTS)])
             fine.white = self._sim.white
             frames.append(self._averaged(fine, reference, REFERENCE_SEED + k))
+            if starry:
+                stars = [starlight(whole, dark, size, fine.parts, at) for at in windows]
+                frames[k] = (frames[k] + np.concatenate(stars)).astype(np.float32)
         self.reference = self._halves(frames)
 
     def _halves(self, frames: Sequence[Radiance]) -> tuple[F64, F64]:

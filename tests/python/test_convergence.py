@@ -40,6 +40,22 @@ def test_errors_fall_with_samples(name):
     assert curve.errors[-1] < 1.3 * even, (curve.errors, even)
 
 
+def test_stars_of_the_reference_are_spread_as_those_of_frames(tmp_path):
+    """A frame shares out a star to four pixels: means of smaller pixels alone would be 2 DN off."""
+    draw = np.random.default_rng(3)
+    stars = tmp_path / "stars.csv"
+    lines = [f"{a},{b},{m},0.5" for a, b, m in zip(
+        draw.uniform(0.0, 360.0, 4000), np.degrees(np.arcsin(draw.uniform(-1.0, 1.0, 4000))),
+        draw.uniform(0.0, 4.0, 4000), strict=True)]  # fmt: skip
+    stars.write_text("ra_deg,dec_deg,vmag,bv\n" + "\n".join(lines) + "\n")
+    scene = convergence.Scene(
+        CONFIGS["star_tracker"], (16, 12), 9, changes={"sky.stars.catalogue": str(stars)}
+    )
+    picture = scene.picture(4, 0.0)
+    assert np.count_nonzero(picture > 1.0) > 50
+    assert scene.error(picture) < 0.05
+
+
 class Stuck(convergence.Scene):
     """An estimator that stops converging: it draws no more than so many samples."""
 
