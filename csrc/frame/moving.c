@@ -42,10 +42,13 @@ pl_status pl_moving_plan(pl_renderer *renderer, const pl_frame_request *request,
     for (size_t k = 0; k < plan->count; k++) {
       pl_plan_row *row = &plan->rows[k];
       const double residual = fmax(row->residual_dn, now.rows[k].residual_dn);
+      /* At each instant, what the larger value takes is within what that instant's own took. */
+      const double spent = fmax(row->spent_dn, now.rows[k].spent_dn);
       if (now.rows[k].value > row->value ||
           (now.rows[k].value == row->value && now.rows[k].bound_dn > row->bound_dn))
         *row = now.rows[k];
       row->residual_dn = residual;
+      row->spent_dn = spent;
     }
   }
   return PL_OK;

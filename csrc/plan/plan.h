@@ -13,8 +13,10 @@ enum { PL_PLAN_REASON = 120 };
 typedef struct pl_plan_row {
   const pl_effect *effect; /* borrowed from the table */
   int value;               /* 0 when off */
+  int ceiling;             /* the largest useful value; 0 when absent */
   double bound_dn;         /* error bound of leaving the effect out, digital numbers */
   double residual_dn;      /* error bound of `value` compared with the limit, digital numbers */
+  double spent_dn;         /* what `value` takes of the tolerance, digital numbers */
   double cost_ms;          /* at `value`; 0 when off */
   char reason[PL_PLAN_REASON];
 } pl_plan_row;
@@ -30,13 +32,17 @@ typedef struct pl_plan_wish {
   pl_effect_set force_on, force_off;
 } pl_plan_wish;
 
-/* Keeps each effect whose bound exceeds the tolerance, at the smallest value whose residual is
- * within the tolerance, or at its ceiling if none is. Forcing an effect on sets its ceiling.
+/* Spends the tolerance on what saves most time: bounds add linearly, since errors of a pixel may
+ * all have one sign. Rows take turns by their cost over their bound, the most first, each at the
+ * smallest value whose residual is within what is left of the tolerance. An effect that even its
+ * ceiling leaves above that has its ceiling, and takes nothing: there is no finer value. Forcing an
+ * effect on sets its ceiling.
  * Returns PL_E_ARGUMENT if an effect is forced both on and off. */
 pl_status pl_plan_solve(const pl_effect *const *effects, size_t count, const pl_view *view,
                         const pl_plan_wish *wish, pl_plan *out);
 
-/* Decides the row of one effect again, with a view in which more is known. */
+/* Decides the row of one effect again, with a view in which more is known, by what the other rows
+ * leave of the tolerance. */
 void pl_plan_solve_again(const pl_effect *effect, const pl_view *view, const pl_plan_wish *wish,
                          pl_plan *plan);
 

@@ -111,10 +111,11 @@ static PyObject *plan_rows(const pl_plan *plan) {
   PyObject *rows = PyList_New((Py_ssize_t)plan->count);
   for (size_t i = 0; rows != NULL && i < plan->count; i++) {
     const pl_plan_row *row = &plan->rows[i];
-    PyObject *entry = Py_BuildValue("{s:s,s:O,s:s,s:d,s:d,s:d,s:i}", "name", row->effect->name,
-                                    "on", row->value > 0 ? Py_True : Py_False, "reason",
-                                    row->reason, "bound_dn", row->bound_dn, "residual_dn",
-                                    row->residual_dn, "cost_ms", row->cost_ms, "value", row->value);
+    PyObject *entry =
+        Py_BuildValue("{s:s,s:O,s:s,s:d,s:d,s:d,s:d,s:i,s:i}", "name", row->effect->name, "on",
+                      row->value > 0 ? Py_True : Py_False, "reason", row->reason, "bound_dn",
+                      row->bound_dn, "residual_dn", row->residual_dn, "spent_dn", row->spent_dn,
+                      "cost_ms", row->cost_ms, "value", row->value, "ceiling", row->ceiling);
     if (entry == NULL)
       Py_CLEAR(rows);
     else

@@ -358,10 +358,28 @@ class Simulation(RangeSensors, Costed):
             renderer = handles.renderer_of(scene.config)
             return renderer.measure_rays(request, repeats)
 
-    def plan(self, index: int) -> Plan:
-        """The effects kept and left out in a frame, with reasons; nothing is rendered.
+    def plan(
+        self,
+        index: int,
+        *,
+        measure: bool = False,
+        threads: int | None = None,
+        progress: Callable[[int, int], object] | None = None,
+    ) -> Plan:
+        """The effects kept and left out in a frame, with reasons.
 
-        It includes the sensor's effects if render.channels has one of its channels."""
+        It includes the sensor's effects if render.channels has one of its channels. Nothing is
+        rendered, unless measure: then the frame is, twice without each effect that is on and twice
+        with each that was left out, on `threads`, and rows say what effects take and change (see
+        docs/effects.md). progress: called with effects done and in all."""
+        planned = self._planned(index)
+        if measure:
+            from perilune.cost.rows import Rows
+
+            planned.spread_ms = Rows(self, index, threads).measure(planned, progress)
+        return planned
+
+    def _planned(self, index: int) -> Plan:
         scene, handles = self.world(index), self._mine()
         request = self._request(scene)
         if not set(OF_SENSOR) & set(scene.config.render.channels):

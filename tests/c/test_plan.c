@@ -63,6 +63,79 @@ static void test_smallest_value(void **state) {
   }
 }
 
+/* Effects of one bound and one cost each, on or off. */
+#define SWITCH(name, dn, ms)                                                                       \
+  static double name##_bound(const pl_view *view, int value) {                                     \
+    (void)view;                                                                                    \
+    return value > 0 ? 0.0 : (dn);                                                                 \
+  }                                                                                                \
+  static double name##_cost(const pl_view *view, int value) {                                      \
+    (void)view;                                                                                    \
+    return (ms)*value;                                                                             \
+  }                                                                                                \
+  static const pl_effect name = {#name,        "",         never_absent, pl_effect_ceiling_one,    \
+                                 name##_bound, name##_cost}
+SWITCH(dear, 0.625, 1.0);
+SWITCH(good, 0.5, 10.0);
+SWITCH(poor, 0.25, 1.0);
+SWITCH(best, 0.25, 50.0);
+SWITCH(free_of_error, 0.0, 1e-3);
+SWITCH(endless, INFINITY, 1e9);
+static const pl_effect *const switches[] = {&dear, &good, &poor, &best, &free_of_error, &endless};
+
+/* The tolerance is one for all: what saves most for its bound goes first, and sums stay within. */
+static void test_tolerance_is_shared(void **state) {
+  (void)state;
+  const pl_view view = {.samples = 1};
+  const struct {
+    double tolerance, spent;
+    int values[6];
+  } cases[] = {{0.0, 0.0, {1, 1, 1, 1, 0, 1}},   {0.24, 0.0, {1, 1, 1, 1, 0, 1}},
+               {0.25, 0.25, {1, 1, 1, 0, 0, 1}}, {0.5, 0.5, {1, 1, 0, 0, 0, 1}},
+               {0.75, 0.75, {1, 0, 1, 0, 0, 1}}, {1.0, 1.0, {1, 0, 0, 0, 0, 1}},
+               {1.5, 1.0, {1, 0, 0, 0, 0, 1}},   {1e9, 1.625, {0, 0, 0, 0, 0, 1}}};
+  for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+    pl_plan plan;
+    const pl_plan_wish wish = {.tolerance_dn = cases[k].tolerance};
+    assert_int_equal(pl_plan_solve(switches, 6, &view, &wish, &plan), PL_OK);
+    double spent = 0.0;
+    for (size_t i = 0; i < 6; i++) {
+      assert_int_equal(plan.rows[i].value, cases[k].values[i]);
+      assert_int_equal(plan.rows[i].ceiling, 1);
+      assert_true(plan.rows[i].spent_dn == plan.rows[i].residual_dn);
+      spent += plan.rows[i].spent_dn;
+    }
+    assert_true(spent == cases[k].spent);
+  }
+}
+
+/* A row that is decided again has what the others left. */
+static void test_deciding_again_shares_too(void **state) {
+  (void)state;
+  const pl_view view = {.samples = 1};
+  const pl_plan_wish wish = {.tolerance_dn = 0.75};
+  pl_plan plan;
+  assert_int_equal(pl_plan_solve(switches, 6, &view, &wish, &plan), PL_OK);
+  pl_plan_solve_again(&poor, &view, &wish, &plan);
+  assert_int_equal(plan.rows[2].value, 1);
+  assert_non_null(strstr(plan.rows[2].reason, "tolerance is 0.75, of which 0 is left"));
+  plan.rows[1].spent_dn = 0.0; /* as if `good` had been kept */
+  pl_plan_solve_again(&poor, &view, &wish, &plan);
+  assert_int_equal(plan.rows[2].value, 0);
+  assert_true(plan.rows[2].spent_dn == 0.25);
+}
+
+/* Errors that a ceiling leaves, and those that the user asks for, take nothing of the tolerance. */
+static void test_what_takes_nothing(void **state) {
+  (void)state;
+  const pl_plan at_ceiling = solve(8.0, 3, (pl_plan_wish){.tolerance_dn = 1.0});
+  assert_int_equal(at_ceiling.rows[0].value, 3);
+  assert_true(at_ceiling.rows[0].residual_dn == 2.0 && at_ceiling.rows[0].spent_dn == 0.0);
+  const pl_plan forced = solve(0.5, 8, (pl_plan_wish){.tolerance_dn = 1.0, .force_off = {{1}}});
+  assert_true(forced.rows[0].residual_dn == 0.5 && forced.rows[0].spent_dn == 0.0);
+  assert_int_equal(forced.rows[1].value, 0); /* the whole tolerance is left to it */
+}
+
 static void test_threshold_is_inclusive(void **state) {
   (void)state;
   assert_int_equal(solve(0.5, 8, (pl_plan_wish){.tolerance_dn = 0.5}).rows[0].value, 0);
@@ -109,7 +182,7 @@ static void test_rows_beyond_one_word(void **state) {
     table[i] = &counted;
   for (size_t forced = 0; forced < PL_PLAN_ROWS_MAX; forced++) {
     pl_plan plan;
-    pl_plan_wish wish = {.tolerance_dn = 1.0};
+    pl_plan_wish wish = {.tolerance_dn = 0.25 * PL_PLAN_ROWS_MAX};
     pl_effect_set_add(&wish.force_on, forced);
     assert_int_equal(pl_plan_solve(table, PL_PLAN_ROWS_MAX, &view, &wish, &plan), PL_OK);
     for (size_t i = 0; i < PL_PLAN_ROWS_MAX; i++)
@@ -264,6 +337,9 @@ static void test_levels_of_terrain(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_smallest_value),
+      cmocka_unit_test(test_tolerance_is_shared),
+      cmocka_unit_test(test_deciding_again_shares_too),
+      cmocka_unit_test(test_what_takes_nothing),
       cmocka_unit_test(test_threshold_is_inclusive),
       cmocka_unit_test(test_forcing),
       cmocka_unit_test(test_conflict),

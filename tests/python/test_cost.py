@@ -76,9 +76,9 @@ def test_the_advice_keeps_its_target(report, sim):
     exact = {"render.samples": 1024, "render.tolerance_dn": 0.0, "render.max_bounces": 8}
     shots = []
     camera = pictures.Camera(sim, 0, 1)
-    truth = camera.shoot(sim.with_overrides(exact), 77).dn
+    truth = camera.shoot(sim.with_overrides(exact).with_noise(77)).dn
     for noise in range(4):
-        shots.append(camera.shoot(advised, 100 + noise).dn - truth)
+        shots.append(camera.shoot(advised.with_noise(100 + noise)).dn - truth)
     assert np.sqrt(np.mean(np.square(shots))) < 1.3 * TARGET_DN  # four frames: a few bright pixels
 
 

@@ -34,25 +34,31 @@ def text_of(value: Any, digits: int = 5) -> str:
     return text if len(text) <= _TEXT else f"{text[: _TEXT - 3]}..."
 
 
-def table(columns: Sequence[str], rows: Iterable[Sequence[Any]], most: int = MOST_ROWS) -> str:
+def table(
+    columns: Sequence[str],
+    rows: Iterable[Sequence[Any]],
+    most: int = MOST_ROWS,
+    tints: Sequence[str] = (),
+) -> str:
     """A table with numbers aligned to the right; of many rows it shows the first and the number of
-    others."""
+    others. tints: a CSS colour behind each row."""
     kept = [list(row) for row in rows]
     right = [
         bool(kept) and all(isinstance(row[k], (int, float, np.number)) for row in kept)
         for k in range(len(columns))
     ]
 
-    def line(cells: Sequence[Any], tag: str) -> str:
+    def line(cells: Sequence[Any], tag: str, tint: str = "none") -> str:
         parts = []
         for k, cell in enumerate(cells):
             style = _CELL.format(align="right" if right[k] else "left")
             weight = ";font-weight:600" if tag == "th" else ""
             value = cell.item() if isinstance(cell, np.generic) else cell
             parts.append(f'<{tag} style="{style}{weight}">{escape(text_of(value))}</{tag}>')
-        return f'<tr style="background:none;{_LINE}">{"".join(parts)}</tr>'
+        return f'<tr style="background:{tint};{_LINE}">{"".join(parts)}</tr>'
 
-    body = "".join(line(row, "td") for row in kept[:most])
+    behind = [*tints, *["none"] * (len(kept) - len(tints))]
+    body = "".join(line(row, "td", tint) for row, tint in zip(kept[:most], behind, strict=False))
     rest = f"<div>and {len(kept) - most} more</div>" if len(kept) > most else ""
     head = line(columns, "th")
     return f'<table style="{_TABLE}"><thead>{head}</thead><tbody>{body}</tbody></table>{rest}'

@@ -9,54 +9,82 @@ from collections.abc import Sequence
 from typing import Any
 
 from perilune.cli.command import OK, Command
-from perilune.cli.options import add_config, add_frame, open_simulation
+from perilune.cli.options import add_config, add_frame, add_threads, open_simulation
+from perilune.cli.progress import Bar
 from perilune.cli.text_table import text_table
+from perilune.frame.plan_rows import number, state, totals
 from perilune.orbits.almanac import sources
 
-_COLUMNS = ("effect", "on", "bound", "cost", "reason")
-_RIGHT = {"bound", "cost"}
+_COLUMNS = ("effect", "state", "bound", "leaves", "cost", "reason")
+_MEASURED = ("takes", "changes", "99.9 %")
+_RIGHT = {"bound", "leaves", "cost", *_MEASURED}
 
 
 def _configure(parser: ArgumentParser) -> None:
     add_config(parser)
     add_frame(parser)
+    parser.add_argument(
+        "--measure",
+        action="store_true",
+        help="render the frame without each effect that is on and with each that was left out, and "
+        "say what it takes (CPU ms) and changes (RMS and 99.9th percentile over pixels)",
+    )
+    add_threads(parser)
     parser.add_argument("--json", action="store_true", help="print one JSON object")
 
 
-def _finite(value: float) -> float | None:
-    """None for infinity, which JSON lacks; null means that no bound is known."""
-    return float(value) if math.isfinite(value) else None
+def _finite(value: float | None) -> float | None:
+    """None for infinity, which JSON lacks; null means that it is not known."""
+    return float(value) if value is not None and math.isfinite(value) else None
 
 
-def _json_rows(rows: Sequence[Any]) -> dict[str, Any]:
-    effects = [
-        {
-            "name": row["name"],
-            "on": bool(row["on"]),
-            "reason": row["reason"],
-            "bound_dn": _finite(row["bound_dn"]),
-            "cost_ms": _finite(row["cost_ms"]),
-        }
-        for row in rows
-    ]
-    return {"effects": effects}
+def _json_row(row: Any) -> dict[str, Any]:
+    found = {
+        "name": row["name"],
+        "on": bool(row["on"]),
+        "value": row["value"],
+        "ceiling": row["ceiling"],
+        "reason": row["reason"],
+    }
+    known = ("bound_dn", "residual_dn", "spent_dn", "cost_ms")
+    measured = [key for key in row if key.startswith("measured_")]
+    return found | {key: _finite(row[key]) for key in (*known, *measured)}
 
 
-def _cells(row: Any) -> list[str]:
-    bound, cost = f"{row['bound_dn']:.3g} DN", f"{row['cost_ms']:.3g} ms"
-    return [row["name"], "on" if row["on"] else "off", bound, cost, row["reason"]]
+def _json_plan(rows: Sequence[Any]) -> dict[str, Any]:
+    sums = totals(rows)
+    return {
+        "effects": [_json_row(row) for row in rows],
+        "spent_dn": sums.spent_dn,
+        "cost_ms": _finite(sums.cost_ms),
+    }
 
 
-def _table(rows: Sequence[Any]) -> str:
-    return text_table(_COLUMNS, [_cells(row) for row in rows], _RIGHT)
+def _cells(row: Any, measured: bool) -> list[str]:
+    found = [row["name"], state(row), number(row["bound_dn"], "DN")]
+    found += [number(row["residual_dn"], "DN"), number(row["cost_ms"], "ms")]
+    if measured:
+        found += [number(row.get("measured_ms"), "ms")]
+        found += [number(row.get(f"measured_{key}"), "DN") for key in ("dn", "p999_dn")]
+    return [*found, row["reason"]]
+
+
+def _table(rows: Sequence[Any], measured: bool) -> str:
+    names = (*_COLUMNS[:-1], *(_MEASURED if measured else ()), _COLUMNS[-1])
+    return text_table(names, [_cells(row, measured) for row in rows], _RIGHT)
 
 
 def _run(args: Namespace) -> int:
     sim = open_simulation(args)
-    rows = sim.plan(args.frame)
-    print(json.dumps(_json_rows(rows), indent=2) if args.json else _table(rows))
+    with Bar("effect") as bar:
+        rows = sim.plan(args.frame, measure=args.measure, threads=args.threads, progress=bar)
+    if args.json:
+        print(json.dumps(_json_plan(rows), indent=2))
+        return OK
+    print(_table(rows, args.measure))
+    print(rows.text)
     for key, text in sources(sim.config).items():
-        if key != "sun" and not args.json and text.startswith("series"):
+        if key != "sun" and text.startswith("series"):
             print(f"{key}: its place is from {text}")
     return OK
 

@@ -12,8 +12,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from perilune.cost.knobs import OF_CHANCE
-
 if TYPE_CHECKING:
     from perilune.simulation import Simulation
 
@@ -22,6 +20,7 @@ _SENSOR = "sensor_rgb"
 _GROUND = ("position", "geometric_normal", "slope", "depth", "instance")
 _DAY_S = 86400.0
 _TIMES = 25
+_PERCENTILE = 99.9
 _OUTLINES = 99.0
 """Per cent of pixels whose ground is compared: at outlines another thing is seen."""
 
@@ -74,22 +73,23 @@ class Camera:
         """The simulation at a setting; models and maps are shared."""
         return self.sim.with_overrides(changes)
 
-    def shoot(self, sim: Simulation, noise: int, threads: int | None = None) -> Shot:
-        """A picture whose samples are drawn with noise of their own; drivers draw as ever."""
-        sample = sim.with_noise(noise).frame(self.index, self.channels, threads or self.threads)
+    def shoot(self, sim: Simulation) -> Shot:
+        """A picture of the frame."""
+        sample = sim.frame(self.index, self.channels, self.threads)
         if self.sensor:
             return Shot(sample[_SENSOR].astype(np.float64), True)
         self.white = self.white or float(sample.meta["white_radiance"] or 1.0)
         return Shot(sample["radiance"].astype(np.float64) / self.white, False)
 
     def timed(self, changes: Mapping[str, Any], noises: Sequence[int]) -> tuple[list[Shot], Took]:
-        """Pictures at a setting, the first of which builds what is kept, and what they took."""
+        """Pictures at a setting, the first of which builds what is kept, and what they took. Their
+        samples are drawn with noise of their own; drivers draw as ever."""
         sim = self.at(changes)
         before = _begin_peak()
         shots, times = [], []
         for noise in noises:
             begin, cpu = time.perf_counter(), time.process_time()
-            shots.append(self.shoot(sim, noise))
+            shots.append(self.shoot(sim.with_noise(noise)))
             times.append((time.process_time() - cpu, time.perf_counter() - begin))
         memory = _peak_mb() - before
         later = times[1:] or times
@@ -136,14 +136,34 @@ def ground_errors(found: Mapping[str, F64], true: Mapping[str, F64]) -> tuple[fl
     return _rms_without_outlines(off), _rms_without_outlines(turned)
 
 
+def rms(values: F64) -> float:
+    """Root mean square."""
+    return float(np.sqrt(np.mean(values**2)))
+
+
 def _rms_without_outlines(values: F64) -> float:
-    kept = values[values <= np.percentile(values, _OUTLINES)]
-    return float(np.sqrt(np.mean(kept**2)))
+    return rms(values[values <= np.percentile(values, _OUTLINES)])
 
 
-def without_chance(off: Sequence[str], present: frozenset[str]) -> list[str]:
-    """Effects that are left out of a picture, with the noise of one exposure."""
-    return sorted({*off, *(OF_CHANCE & present)})
+def errors(shots: Sequence[Shot], truth: F64) -> tuple[float, float]:
+    """RMS error and percentile of the absolute error, over all pictures, digital numbers."""
+    off = np.stack([shot.dn for shot in shots]) - truth
+    return rms(off), float(np.percentile(np.abs(off), _PERCENTILE))
+
+
+def difference(shots: Sequence[Shot], others: Sequence[Shot]) -> tuple[float, float]:
+    """RMS and percentile of the difference between pictures, with the noise of both."""
+    off = np.stack([a.dn - b.dn for a, b in zip(shots, others, strict=True)])
+    return rms(off), float(np.percentile(np.abs(off), _PERCENTILE))
+
+
+def without_noise(shots: Sequence[Shot], others: Sequence[Shot]) -> tuple[float, float]:
+    """RMS and percentile of the difference between pictures of the same samples, two draws of each.
+    The mean of the products of both differences has no noise of either."""
+    first, second = (a.dn - b.dn for a, b in zip(shots, others, strict=True))
+    square = float(np.mean(first * second))
+    mean = np.abs(0.5 * (first + second))
+    return float(np.sqrt(max(square, 0.0))), float(np.percentile(mean, _PERCENTILE))
 
 
 def _status(name: str) -> float:

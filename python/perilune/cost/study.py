@@ -18,7 +18,7 @@ from perilune.config.errors import ConfigError
 from perilune.cost.combine import cheapest, more_samples
 from perilune.cost.kept import Kept, Progress
 from perilune.cost.knobs import IMAGE, OF_CHANCE, ORBIT, Knob, Rung, Scene, knobs_of
-from perilune.cost.pictures import Camera, Shot, ground_errors
+from perilune.cost.pictures import Camera, Shot, errors, ground_errors, rms, without_noise
 from perilune.cost.report import Advice, Point, Report, Setting
 
 if TYPE_CHECKING:
@@ -29,7 +29,6 @@ _REFERENCE_NOISE = (0x5EED0001, 0x5EED0002)
 _NOISE = (1, 2)
 _CHECK_NOISE = (11, 12)
 """Settings that combine knobs are judged by pictures that had no part in choosing them."""
-_PERCENTILE = 99.9
 _TRIES = 4
 
 
@@ -113,7 +112,7 @@ class Study:
         halves = [shot.dn for shot in self.reference]
         mean = np.mean([shot.light for shot in self.reference], axis=0)
         self.truth = Shot(mean, self.reference[0].encoded).dn
-        floor = 0.5 * _rms(halves[0] - halves[1])
+        floor = 0.5 * rms(halves[0] - halves[1])
         self.exact = self._kept_pictures("exact", lambda: self.camera.timed(exact, _NOISE)[0])
         self.true_ground = self.camera.ground_of(exact) if self.camera.ground else None
         points = [point for knob in self.knobs for point in self._ladder(knob)]
@@ -145,7 +144,7 @@ class Study:
 
     def _reference(self) -> list[Shot]:
         sim = self.camera.at(self.changes({}, self.samples))
-        return [self.camera.shoot(sim, noise) for noise in _REFERENCE_NOISE]
+        return [self.camera.shoot(sim.with_noise(noise)) for noise in _REFERENCE_NOISE]
 
     def _ladder(self, knob: Knob) -> list[Point]:
         return [
@@ -171,9 +170,9 @@ class Study:
     def _image(self, knob: Knob, rung: Rung) -> dict[str, Any]:
         changes = self.changes({knob.name: rung})
         shots, took = self.camera.timed(changes, _NOISE)
-        raw = _errors(shots, self.truth)
+        raw = errors(shots, self.truth)
         found = {"raw_dn": raw[0], **asdict(took)}
-        found["rmse_dn"], found["p999_dn"] = raw if knob.noisy else _bias(shots, self.exact)
+        found["rmse_dn"], found["p999_dn"] = raw if knob.noisy else without_noise(shots, self.exact)
         if self.true_ground is not None and any(".terrain." in key for key in rung.changes):
             ground = ground_errors(self.camera.ground_of(changes), self.true_ground)
             found["geometry_px"], found["slope_deg"] = ground
@@ -199,7 +198,7 @@ class Study:
 
         def work() -> dict[str, Any]:
             shots, took = self.camera.timed(changes, _CHECK_NOISE)
-            rmse, p999 = _errors(shots, self.truth)
+            rmse, p999 = errors(shots, self.truth)
             return {"rmse_dn": rmse, "p999_dn": p999, **asdict(took)}
 
         text = json.dumps(changes, sort_keys=True)
@@ -268,22 +267,3 @@ def _at(tree: Any, path: str) -> Any:
     for key in path.split("."):
         tree = tree.get(key) if isinstance(tree, Mapping) else None
     return tree
-
-
-def _rms(values: F64) -> float:
-    return float(np.sqrt(np.mean(values**2)))
-
-
-def _errors(shots: Sequence[Shot], truth: F64) -> tuple[float, float]:
-    """RMS error and percentile of the absolute error, over all pictures."""
-    off = np.stack([shot.dn for shot in shots]) - truth
-    return _rms(off), float(np.percentile(np.abs(off), _PERCENTILE))
-
-
-def _bias(shots: Sequence[Shot], exact: Sequence[Shot]) -> tuple[float, float]:
-    """The same without noise: differences to exact pictures of the same samples, of two draws. The
-    mean of their products has no noise of either."""
-    first, second = (a.dn - b.dn for a, b in zip(shots, exact, strict=True))
-    square = float(np.mean(first * second))
-    mean = np.abs(0.5 * (first + second))
-    return float(np.sqrt(max(square, 0.0))), float(np.percentile(mean, _PERCENTILE))

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from numpy.typing import NDArray
 
 from perilune.base.html import folded, heading, table, whole
+from perilune.frame.plan_rows import applies, number, state
 
 if TYPE_CHECKING:
     from perilune.frame.labels import Taxonomy
@@ -39,25 +39,39 @@ def objects_html(rows: NDArray[Any]) -> str:
     )
 
 
+_TINTS = {"on": "rgba(46,160,67,0.18)", "off": "none"}
+_REDUCED = "rgba(210,153,34,0.22)"
+"""Behind the rows of a plan: green on, amber reduced, none off."""
+
+
 def plan_table(rows: Sequence[Mapping[str, Any]]) -> str:
-    """Effects of a plan, those that are on first."""
-    cells = [
-        (
-            row["name"],
-            "on" if row["on"] else "off",
-            f"{row['bound_dn']:.3g} DN" if math.isfinite(row["bound_dn"]) else "–",
-            f"{row['cost_ms']:.3g} ms" if math.isfinite(row["cost_ms"]) else "–",
-            row["reason"],
-        )
-        for row in sorted(rows, key=lambda row: not row["on"])
-    ]
-    return table(("effect", "", "bound", "cost", "reason"), cells, most=100)
+    """Effects of a plan, those that are on first, then those that were left out, then those that
+    the scene does not have; a colour for each state."""
+    measured = any("measured_ms" in row for row in rows)
+    ordered = sorted(rows, key=lambda row: (not row["on"], not applies(row)))
+    cells = []
+    for row in ordered:
+        found = [row["name"], state(row), number(row["bound_dn"], "DN")]
+        found += [number(row["residual_dn"], "DN"), number(row["cost_ms"], "ms")]
+        if measured:
+            found += [number(row.get("measured_ms"), "ms"), number(row.get("measured_dn"), "DN")]
+        cells.append([*found, row["reason"]])
+    columns = (
+        "effect",
+        "",
+        "bound",
+        "leaves",
+        "cost",
+        *(("takes", "changes") * measured),
+        "reason",
+    )
+    tints = [_TINTS.get(state(row), _REDUCED) for row in ordered]
+    return table(columns, cells, most=100, tints=tints)
 
 
-def plan_html(rows: Sequence[Mapping[str, Any]]) -> str:
-    """HTML table of a frame's effects, those that are on first."""
-    kept = sum(bool(row["on"]) for row in rows)
-    return whole(heading("Plan", f"{kept} effects on, {len(rows) - kept} off"), plan_table(rows))
+def plan_html(rows: Sequence[Mapping[str, Any]], told: str) -> str:
+    """HTML table of a frame's effects, those that are on first, below what is told of all."""
+    return whole(heading("Plan", told), plan_table(rows))
 
 
 def taxonomy_html(labels: Taxonomy) -> str:

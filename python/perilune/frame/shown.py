@@ -8,13 +8,26 @@ import numpy as np
 
 from perilune import _core
 from perilune.frame.html import objects_html, plan_html
+from perilune.frame.plan_rows import totals
 
 
 class Plan(list["_core.PlanRow"]):
-    """The effects of a frame, a row each: name, on, reason, bound_dn, cost_ms."""
+    """The effects of a frame, a row each: name, on, value, ceiling, reason, bound_dn, residual_dn,
+    spent_dn, cost_ms, and measured_ms, measured_dn, measured_p999_dn if they were measured."""
+
+    spread_ms: float | None = None
+    """How far two measurements of the frame's time differ; None if nothing was measured."""
+
+    @property
+    def text(self) -> str:
+        """Counts and sums of all rows, in a sentence or two."""
+        told = totals(self).text
+        if self.spread_ms is None:
+            return told
+        return f"{told}; the frame itself, measured twice, differs by {self.spread_ms:.3g} ms"
 
     def _repr_html_(self) -> str:
-        return plan_html(self)
+        return plan_html(self, self.text)
 
 
 class ObjectRows(np.ndarray[Any, np.dtype[Any]]):

@@ -101,19 +101,32 @@ def test_preview_writes_a_sheet(small_scene, tmp_path):
 def test_plan_as_json_and_as_table(small_scene):
     code, text, _ = run("plan", small_scene, "--frame", 1, "--json")
     assert code == 0
-    effects = json.loads(text)["effects"]
+    document = json.loads(text)
+    effects = document["effects"]
     rows = perilune.open(small_scene).plan(1)
     assert [row["name"] for row in effects] == [row["name"] for row in rows]
     for effect, row in zip(effects, rows, strict=True):
-        assert set(effect) == {"name", "on", "reason", "bound_dn", "cost_ms"}
-        assert effect["on"] is row["on"]
-        assert effect["bound_dn"] == row["bound_dn"]
+        assert effect == dict(row)  # the scene has no bound that is infinite
+    assert document["spent_dn"] == sum(row["spent_dn"] for row in rows)
     code, text, _ = run("plan", small_scene, "--frame", 1)
     assert code == 0
-    head, *lines = text.splitlines()
+    head, *lines, told = text.splitlines()
     assert [line.split()[0] for line in lines] == [row["name"] for row in rows]
     column = head.index("reason")
     assert all(line[column:] == row["reason"] for line, row in zip(lines, rows, strict=True))
+    assert told == rows.text
+
+
+def test_plan_measures(small_scene):
+    quick = ("--set", "render.samples=1", "--set", "camera.width=8", "--set", "camera.height=6")
+    code, text, _ = run("plan", small_scene, "--measure", "--json", "--threads", 1, *quick)
+    assert code == 0
+    for row in json.loads(text)["effects"]:
+        assert ("measured_ms" in row) is (row["ceiling"] > 0)
+    code, text, _ = run("plan", small_scene, "--measure", *quick)
+    assert code == 0
+    assert "takes changes 99.9 % reason" in " ".join(text.splitlines()[0].split())
+    assert "measured twice" in text
 
 
 def test_info_names_versions_and_data(tmp_path, monkeypatch):
