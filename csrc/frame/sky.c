@@ -58,19 +58,6 @@ pl_status pl_frame_sky_view(const pl_sky *sky, const pl_snapshot *shot, const pl
 
 /* --- after the plan --------------------------------------------------------------------------- */
 
-/* Returns the transmittance towards a star. */
-static pl_vec3f passed_of(const pl_snapshot *shot, const pl_render_settings *settings,
-                          pl_vec3f direction) {
-  const pl_vec3 here = {0.0, 0.0, 0.0};
-  pl_vec3f out = {1.0f, 1.0f, 1.0f};
-  if (settings->air != NULL)
-    out = pl_air_toward_sun(settings->air, shot, here, direction);
-  if (settings->media != NULL)
-    out = pl_vec3f_mul(
-        out, pl_media_passed(settings->media, shot, pl_vec3f_to_double(direction), INFINITY));
-  return out;
-}
-
 /* Keeps the stars of the plan that nothing hides. A star is a point source: it is either visible or
  * not. */
 static pl_status find_seen(const pl_snapshot *shot, const pl_tracer *tracer,
@@ -95,7 +82,9 @@ static pl_status find_seen(const pl_snapshot *shot, const pl_tracer *tracer,
         pl_sun_covers(&sun, pl_vec3_to_float(star->direction)) ||
         !pl_camera_project(&shot->rays.camera, view, pixel))
       continue;
-    const pl_vec3f transmittance = passed_of(shot, settings, pl_vec3_to_float(star->direction));
+    const pl_beam beam = {.direction = star->direction};
+    const pl_vec3f transmittance =
+        pl_media_passed(settings->media, settings->air, shot, &beam, INFINITY);
     sky->seen[sky->seen_count++] = (pl_seen_star){star->star, pixel[0], pixel[1], transmittance};
   }
   return PL_OK;

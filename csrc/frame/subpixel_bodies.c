@@ -196,13 +196,9 @@ static pl_status render_dot(const pl_instant *instant, size_t body, pl_render_sc
   PL_TRY(pl_render(&close, instant->tracer, &settings, scratch, gather_tile, g, cancel));
   const size_t first = sky->subpixel_count;
   spread(g, &close, shot, sky);
-  const pl_vec3 toward = pl_vec3_unit(ball.center), here = {0.0, 0.0, 0.0};
-  pl_vec3f transmittance = {1.0f, 1.0f, 1.0f};
-  if (air != NULL)
-    transmittance = pl_air_toward_sun(air, shot, here, pl_vec3_to_float(toward));
-  if (media != NULL)
-    transmittance = pl_vec3f_mul(transmittance,
-                                 pl_media_passed(media, shot, toward, pl_vec3_norm(ball.center)));
+  const pl_beam beam = {.direction = pl_vec3_unit(ball.center)};
+  const pl_vec3f transmittance =
+      pl_media_passed(media, air, shot, &beam, pl_vec3_norm(ball.center));
   for (size_t i = first; i < sky->subpixel_count; i++)
     sky->subpixel[i].light = pl_vec3f_mul(sky->subpixel[i].light, transmittance);
   return PL_OK;

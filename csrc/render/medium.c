@@ -86,13 +86,16 @@ void pl_media_cross(const pl_media *media, const pl_snapshot *shot, const pl_med
       pl_medium_kinds[k]->cross(media, media->own[k], shot, ray, out);
 }
 
-pl_vec3f pl_media_passed(const pl_media *media, const pl_snapshot *shot, pl_vec3 direction,
-                         double t_max) {
-  const pl_beam beam = {.direction = direction};
+pl_vec3f pl_media_passed(const pl_media *media, const pl_air_view *air, const pl_snapshot *shot,
+                         const pl_beam *beam, double t_max) {
   const pl_medium_ray ray = {
-      .beam = &beam, .t_max = t_max, .camera = true, .dark = true, .from_body = PL_NO_BODY};
+      .beam = beam, .t_max = t_max, .camera = true, .dark = true, .from_body = PL_NO_BODY};
   pl_medium_list list;
   pl_vec3f out = ALL;
+  if (air != NULL)
+    out = pl_air_toward_sun(air, shot, beam->origin, pl_vec3_to_float(beam->direction));
+  if (media == NULL)
+    return out;
   pl_media_cross(media, shot, &ray, &list);
   for (size_t i = 0; i < list.count; i++)
     out = pl_vec3f_mul(out, list.items[i].transmittance);

@@ -103,9 +103,10 @@ bool pl_medium_ray_sees(const pl_media *media, const pl_medium_ray *ray, const p
 /* All crossings of a ray. */
 void pl_media_cross(const pl_media *media, const pl_snapshot *shot, const pl_medium_ray *ray,
                     pl_medium_list *out);
-/* Transmittance for light that reaches the camera from a unit direction and distance t_max. */
-pl_vec3f pl_media_passed(const pl_media *media, const pl_snapshot *shot, pl_vec3 direction,
-                         double t_max);
+/* Transmittance for light that reaches the camera along a beam from distance t_max, beyond all air;
+ * `media` and `air` may be NULL. */
+pl_vec3f pl_media_passed(const pl_media *media, const struct pl_air_view *air,
+                         const pl_snapshot *shot, const pl_beam *beam, double t_max);
 /* Transmittance for sunlight to a point, see pl_medium_kind. */
 pl_vec3f pl_media_toward_sun(const pl_media *media, const pl_snapshot *shot, pl_vec3 point,
                              const pl_sun_view *sun, float width_m);

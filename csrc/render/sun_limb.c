@@ -13,16 +13,28 @@ bool pl_path_on_limb(const pl_path_context *context, uint32_t pixel) {
   const pl_vec3 ray = pl_snapshot_ray(context->shot, x, y);
   const pl_vec3 toward = pl_vec3f_to_double(sun->direction);
   const double off = pl_vec3_norm(pl_vec3_cross(ray, toward));
-  return pl_vec3_dot(ray, toward) > 0.0 && fabs(off - (double)sun->sin_radius) < context->pixel_rad;
+  /* Rays through the rim of a lens point away from that through its centre. */
+  const double far_m = (double)sun->distance_m;
+  const double lens = 0.5 * pl_image_confusion_m(context->shot, ray, far_m) / far_m;
+  return pl_vec3_dot(ray, toward) > 0.0 &&
+         fabs(off - (double)sun->sin_radius) < context->pixel_rad + lens;
 }
 
 int pl_path_limb_rays(const pl_path_context *context, uint32_t pixel) {
   const int samples = context->settings->samples;
-  /* Adaptive frames have more samples there; a lens, air and media act on each path alone. */
-  if (context->filters_irradiance || !context->sharp || context->settings->air != NULL ||
-      context->settings->media != NULL || !pl_path_on_limb(context, pixel))
+  /* Adaptive frames have more samples there. */
+  if (context->filters_irradiance || !pl_path_on_limb(context, pixel))
     return 0;
   return PL_SUN_LIMB_SAMPLES / samples > 1 ? PL_SUN_LIMB_SAMPLES / samples : 0;
+}
+
+/* The part of its light that reaches the camera along a ray that meets no surface. */
+static pl_vec3f passed(const pl_path_context *context, const pl_ray *ray) {
+  const pl_beam beam = {
+      .origin = ray->origin, .direction = ray->direction, .spread = context->spread};
+  return pl_media_passed(context->media ? context->settings->media : NULL,
+                         context->air ? context->settings->air : NULL, context->shot, &beam,
+                         INFINITY);
 }
 
 /* Adds the light of the rays that nothing stops. */
@@ -31,7 +43,9 @@ static void trace(const pl_path_context *context, size_t count, pl_tile_buffers 
   for (size_t i = 0; i < count; i++)
     if (!b->occluded[i]) {
       pl_vec3f *sum = &b->sample[b->pending[i].pixel];
-      *sum = pl_vec3f_add(*sum, b->pending[i].radiance);
+      const pl_vec3f light =
+          pl_vec3f_mul(passed(context, &b->shadow_rays[i]), b->pending[i].radiance);
+      *sum = pl_vec3f_add(*sum, light);
     }
 }
 

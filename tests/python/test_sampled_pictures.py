@@ -101,6 +101,51 @@ def test_the_suns_limb_is_seen_by_a_sensor_alone(tree):
     assert (seen[1][seen[0] > 250.0] > 250.0).all()
 
 
+MIST = {"parent": "sat", "shape": "ellipsoid", "radii_m": [30, 20, 25], "albedo": 0.9,
+        "extinction_per_m": [0.02, 0.05, 0.08]}  # fmt: skip
+
+
+AIR = {"rayleigh_per_km": [0.006, 0.013, 0.03], "rayleigh_height_km": 8.0, "top_km": 80.0,
+       "multiple_scattering": False}  # fmt: skip
+
+
+def sun_in_air(tree):
+    """The Sun's direction, 25 km over the equator as the camera of frame 0 sees it."""
+    place = perilune.open(tree).frame(0, ["instance"]).camera.position_m
+    far_m = np.linalg.norm(place)
+    up = place / far_m
+    level = np.cross(up, [0.0, 0.0, 1.0])
+    dip = np.arccos((6378.1e3 + 25e3) / far_m)
+    return np.cos(dip) * level / np.linalg.norm(level) - np.sin(dip) * up
+
+
+@pytest.mark.parametrize(("medium", "lens_m"), [("none", 0.6), ("air", 0.0), ("volume", 0.6)])
+def test_slivers_of_the_suns_limb_are_seen_through_air_and_lenses(tree, medium, lens_m):
+    """Rays that look for the Sun alone are dimmed and bent as samples; of 1 024 none are sent."""
+    limb = copy.deepcopy(tree)
+    limb["spacecraft"]["sat"]["size_m"] = 0.5
+    limb["camera"] |= {"width": 14, "height": 10, "fov_deg": 10}
+    toward_sun = {"distance_m": [12, 14], "sun_angle_deg": [177, 177.5]}
+    limb["camera"]["trajectory"] = {"kind": "orbit_object", "target": "sat"} | toward_sun
+    limb["camera"]["exposure"] = {"mode": "fixed", "white_radiance_w_m2_sr": NORMAL}
+    del limb["camera"]["sensor"]
+    if lens_m > 0.0:
+        limb["camera"]["lens"] = {"focus_distance_m": 40.0, "aperture_mm": 1e3 * lens_m}
+    if medium == "air":
+        limb["bodies"]["earth"]["atmosphere"] = AIR
+        limb["sun"] = {"direction": [float(x) for x in sun_in_air(limb)]}
+    if medium == "volume":
+        limb["volumes"] = {"mist": MIST}
+    seen = []
+    for samples in (1024, 16):
+        limb["render"] |= {"tolerance_dn": 0.0, "samples": samples, "max_bounces": 0}
+        limb["render"] |= {"volume_steps": 4, "force_off": []}
+        seen.append(perilune.open(limb).frame(0, ["radiance"])["radiance"])
+    sunlit = seen[0].max(axis=-1) > 1e-4 * seen[0].max()
+    assert np.count_nonzero(sunlit) >= 4
+    np.testing.assert_allclose(seen[1][sunlit], seen[0][sunlit], rtol=1e-3)
+
+
 @pytest.mark.parametrize(
     ("tolerance", "exposure_s"),
     [
