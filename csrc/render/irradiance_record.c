@@ -116,7 +116,7 @@ pl_continuation pl_path_continuation(const pl_path_context *context, const pl_su
 /* As many records as a tile may have; cells are no more than patches. */
 enum { BLOCK = PL_TILE_PIXELS * PL_PATCHES };
 /* Tiles in a band: at least this many, and for each thread. */
-enum { BAND_TILES = 128, BAND_SHARE = 32 };
+enum { BAND_TILES = 64, BAND_SHARE = 32 };
 
 pl_status pl_irradiance_init(pl_irradiance_record *share) {
   *share = (pl_irradiance_record){.held = 1};
