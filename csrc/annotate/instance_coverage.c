@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "annotate/channel.h"
+#include "annotate/mixed_pixels.h"
 #include "scene/image_sample.h"
 #include "trace/tracer.h"
 
@@ -78,13 +79,11 @@ static pl_ray ray_of(const pl_snapshot *shot, int index, int samples, int x, int
   return (pl_ray){.t_max = -1.0, .direction = {0.0, 0.0, 1.0}, .skip_body = PL_EVERY_BODY};
 }
 
-/* `centre`: what the ray through the centre sees, which is the first of the pixel's. */
-static void look(const pl_snapshot *shot, const pl_tracer *tracer, int samples, int x, int y,
-                 pl_surface_id centre, tally *t) {
+/* Adds the other rays of a pixel; the first is that through its centre. */
+static void cast(const pl_snapshot *shot, const pl_tracer *tracer, int samples, int x, int y,
+                 tally *t) {
   pl_ray rays[RUN];
   pl_hit hits[RUN];
-  t->count = 0;
-  add(shot, centre, t);
   for (int from = 1; from < samples; from += RUN) {
     const int count = samples - from < RUN ? samples - from : RUN;
     for (int i = 0; i < count; i++)
@@ -93,6 +92,19 @@ static void look(const pl_snapshot *shot, const pl_tracer *tracer, int samples, 
     for (int i = 0; i < count; i++)
       add(shot, hits[i].surface_id, t);
   }
+}
+
+/* `centre`: what the ray through the centre sees. `mixed`: others may see something else. */
+static void look(const pl_instance_coverage *coverage, const pl_snapshot *shot,
+                 const pl_tile_result *result, int x, int y, bool mixed, tally *t) {
+  const int samples = coverage->settings.samples;
+  const pl_tile tile = result->tile;
+  t->count = 0;
+  add(shot, result->points[y * PL_TILE_SIDE + x].surface_id, t);
+  if (mixed)
+    cast(shot, result->tracer, samples, tile.x0 + x, tile.y0 + y, t);
+  else if (t->count > 0)
+    t->shares[0].count = samples;
 }
 
 /* The largest first; of equal ones the lower id. */
@@ -135,17 +147,18 @@ static void write_pixel(const pl_instance_coverage *coverage, size_t at, const t
 void pl_instance_coverage_write(const pl_instance_coverage *coverage, const pl_snapshot *shot,
                                 const pl_tile_result *result) {
   const pl_tile tile = result->tile;
+  bool mixed[PL_TILE_PIXELS];
   tally t;
   t.count = 0;
   t.last = PL_NO_SURFACE;
   t.last_id = 0;
+  if (!result->empty)
+    pl_mixed_pixels_find(shot, result->coverage, tile, mixed);
   for (int y = 0; y < tile.height; y++)
     for (int x = 0; x < tile.width; x++) {
       const size_t column = (size_t)(tile.x0 + x), row = (size_t)(tile.y0 + y);
       if (!result->empty) {
-        const pl_surface_id centre = result->points[y * PL_TILE_SIDE + x].surface_id;
-        look(shot, result->tracer, coverage->settings.samples, tile.x0 + x, tile.y0 + y, centre,
-             &t);
+        look(coverage, shot, result, x, y, mixed[y * PL_TILE_SIDE + x], &t);
         sort(&t);
         fold(&t, (size_t)coverage->settings.layers);
       }

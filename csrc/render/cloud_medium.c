@@ -115,18 +115,23 @@ static float mu_of(const cloud_item *item, double cosine) {
   return (float)fmin(1.0, sqrt(cosine * cosine + fmin(bent, 1.0)));
 }
 
+static void set_cover(const pl_cloud_place *seen, place *at) {
+  at->cover = seen->cover;
+  at->depth = seen->depth;
+  at->unsure = seen->unsure;
+  at->slope = seen->slope;
+}
+
 /* Sets the cloud properties seen by a footprint about the point. */
 static void cover_place(const cloud_item *item, pl_vec3 across, pl_vec3 along, bool tops,
                         place *at) {
   const pl_cloud_place seen = pl_cloud_place_at(&item->cover, at->point, across, along, tops);
-  at->cover = seen.cover;
-  at->depth = seen.depth;
-  at->unsure = seen.unsure;
-  at->slope = seen.slope;
+  set_cover(&seen, at);
 }
 
-static void find_place(const cloud_item *item, const meeting *m, double t, float width_m, bool tops,
-                       place *out) {
+/* Places a crossing of the shell; returns its footprint. */
+static pl_cloud_spot meet_shell(const cloud_item *item, const meeting *m, double t, float width_m,
+                                place *out) {
   out->point = pl_vec3_madd(m->origin, t, m->direction);
   out->normal = pl_ellipsoid_normal(item->radii_m, out->point);
   const double cosine = fabs(pl_vec3_dot(m->direction, out->normal));
@@ -137,7 +142,13 @@ static void find_place(const cloud_item *item, const meeting *m, double t, float
                                                                   : (pl_vec3){1.0, 0.0, 0.0});
   across = pl_vec3_scale(pl_vec3_unit(across), (double)width_m);
   const pl_vec3 along = pl_vec3_scale(pl_vec3_cross(across, out->normal), 1.0 / fmax(cosine, 0.02));
-  cover_place(item, across, along, tops, out);
+  return (pl_cloud_spot){out->point, across, along};
+}
+
+static void find_place(const cloud_item *item, const meeting *m, double t, float width_m, bool tops,
+                       place *out) {
+  const pl_cloud_spot spot = meet_shell(item, m, t, width_m, out);
+  cover_place(item, spot.across, spot.along, tops, out);
 }
 
 /* Transmittance of a covered point. Over the ground, all light that is not reflected counts, since
@@ -309,31 +320,53 @@ static pl_vec3f toward_sun(const pl_media *media, const void *own, const pl_snap
   return out;
 }
 
-/* Part of the light that passes both crossings of a shell straight on. */
-static float pass_item(const cloud_item *item, const pl_snapshot *shot, pl_vec3 direction,
-                       double t_max, float spread) {
-  meeting m;
-  float out = 1.0f;
-  if (!meet(item, shot, (pl_vec3){0.0, 0.0, 0.0}, direction, &m))
-    return out;
-  for (int k = 0; k < 2; k++) {
-    place at;
-    if (!(m.t[k] > 0.0 && m.t[k] < t_max))
-      continue;
-    find_place(item, &m, m.t[k], (float)(m.t[k] * (double)spread), false, &at);
-    out *= passed_at(&at, false);
+/* Crossings of the shell that wait for their cover, which costs less for several together. */
+typedef struct waiting {
+  size_t count;
+  place places[PL_LANES];
+  pl_cloud_spot spots[PL_LANES];
+  float *passed[PL_LANES]; /* transmittance of the ray */
+} waiting;
+
+static void settle(const cloud_item *item, waiting *w) {
+  pl_cloud_place seen[PL_LANES];
+  pl_cloud_places(&item->cover, w->spots, w->count, false, seen);
+  for (size_t i = 0; i < w->count; i++) {
+    set_cover(&seen[i], &w->places[i]);
+    *w->passed[i] *= passed_at(&w->places[i], false);
   }
-  return out;
+  w->count = 0;
+}
+
+/* Lets a ray through both crossings of a shell, straight on. */
+static void pass_item(const cloud_item *item, const pl_snapshot *shot, const pl_cloud_rays *rays,
+                      size_t ray, waiting *w, float *passed) {
+  meeting m;
+  if (!meet(item, shot, (pl_vec3){0.0, 0.0, 0.0}, rays->directions[ray], &m))
+    return;
+  for (int k = 0; k < 2; k++) {
+    if (!(m.t[k] > 0.0 && m.t[k] < rays->t_max[ray]))
+      continue;
+    w->passed[w->count] = passed;
+    w->spots[w->count] =
+        meet_shell(item, &m, m.t[k], (float)(m.t[k] * (double)rays->spread), &w->places[w->count]);
+    if (++w->count == PL_LANES)
+      settle(item, w);
+  }
 }
 
 void pl_cloud_pass(const pl_snapshot *shot, const pl_cloud_rays *rays, float *transmittance) {
+  waiting w;
+  w.count = 0;
   for (uint32_t i = 0; i < shot->body_count; i++) {
     const pl_clouds *clouds = &shot->bodies[i].state->clouds;
     if (!(clouds->altitude_m > 0.0))
       continue;
     const cloud_item item = item_of(shot, i, (int)ceilf(clouds->octaves));
     for (size_t k = 0; k < rays->count; k++)
-      transmittance[k] *= pass_item(&item, shot, rays->directions[k], rays->t_max[k], rays->spread);
+      pass_item(&item, shot, rays, k, &w, &transmittance[k]);
+    if (w.count > 0)
+      settle(&item, &w);
   }
 }
 

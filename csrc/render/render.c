@@ -379,7 +379,12 @@ static pl_status render_tile(void *context, size_t nth, int worker) {
     for (int i = 0; i < PL_TILE_PIXELS; i++)
       b->points[i].surface_id = PL_NO_SURFACE;
   }
-  const pl_tile_result result = {tile, !anything, b->points, b->radiance, job->tracer};
+  const pl_tile_result result = {.tile = tile,
+                                 .empty = !anything,
+                                 .points = b->points,
+                                 .radiance = b->radiance,
+                                 .tracer = job->tracer,
+                                 .coverage = &job->scratch->coverage};
   return job->done(job->context, &result, worker);
 }
 
@@ -394,7 +399,10 @@ static pl_status light_tile(void *context, size_t nth, int worker) {
   if (!tile->lit)
     return PL_OK;
   pl_irradiance_filter_light(share, row, column, job->settings, job->pixel_rad, radiance);
-  const pl_tile_result result = {tile->tile, false, NULL, radiance, job->tracer};
+  const pl_tile_result result = {.tile = tile->tile,
+                                 .radiance = radiance,
+                                 .tracer = job->tracer,
+                                 .coverage = &job->scratch->coverage};
   return job->done(job->context, &result, worker);
 }
 

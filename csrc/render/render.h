@@ -11,6 +11,7 @@
 #include "light/limb.h"
 #include "plan/effects.h"
 #include "render/air_path.h"
+#include "render/coverage_mask.h"
 #include "render/tile.h"
 #include "render/medium.h"
 #include "render/planetshine.h"
@@ -60,7 +61,9 @@ typedef struct pl_tile_result {
    * surface, and if settings ask for it */
   const pl_point *points;
   const pl_vec3f *radiance; /* W m-2 sr-1; zero if samples is 0 */
-  const pl_tracer *tracer;  /* of the instant, for labels that need more rays */
+  /* of the instant, for labels that need more rays */
+  const pl_tracer *tracer;
+  const pl_coverage *coverage; /* where meshes may be, valid in the rows of the tile */
 } pl_tile_result;
 
 typedef pl_status (*pl_tile_fn)(void *context, const pl_tile_result *result, int worker);

@@ -78,17 +78,30 @@ pl_cloud_cover pl_cloud_cover_make(const pl_clouds *clouds, const pl_texture *ma
 /* Octaves of the domain warp: only coarse ones, so that the shape of footprints changes little. */
 enum { BENDS = 2 };
 
-/* Displacement of a point by the domain warp, in cells. Each axis has its own noise. */
-static pl_vec3 bend(const pl_clouds *clouds, pl_vec3 cell, float width) {
+/* Noise at the first `count` points; of one alone it costs less than of all lanes. */
+static void find_fbm(const pl_fractal *noise, const pl_point_lanes *points,
+                     const float width[PL_LANES], size_t count, float out[PL_LANES]) {
+  const pl_fractal_row *fbm = &pl_fractal_rows[PL_FRACTAL_FBM];
+  const pl_vec3 first = {points->at[0][0], points->at[1][0], points->at[2][0]};
+  if (count > 1)
+    fbm->evaluate_lanes(noise, points, width, out);
+  else
+    out[0] = fbm->evaluate(noise, first, width[0]);
+}
+
+/* Displacement of points by the domain warp, in cells. Each axis has its own noise. */
+static void bend(const pl_clouds *clouds, const pl_point_lanes *cells, const float width[PL_LANES],
+                 size_t count, double moved[3][PL_LANES]) {
   pl_fractal noise = {.octaves = BENDS, .roughness = 0.5f, .lacunarity = 2.0f};
-  double moved[3];
-  cell.z += (double)clouds->phase;
+  pl_point_lanes at = *cells;
+  float value[PL_LANES];
+  PL_EACH_LANE(i) at.at[2][i] += (double)clouds->phase;
   for (uint32_t k = 0; k < 3; k++) {
     noise.seed = clouds->seed + 0x9e3779b9u * (k + 1);
-    moved[k] =
-        (double)(clouds->warp * pl_fractal_rows[PL_FRACTAL_FBM].evaluate(&noise, cell, width));
+    find_fbm(&noise, &at, width, count, value);
+    for (size_t i = 0; i < count; i++)
+      moved[k][i] = (double)(clouds->warp * value[i]);
   }
-  return (pl_vec3){moved[0], moved[1], moved[2]};
 }
 
 static float normal_density(float x) { return expf(-0.5f * x * x) / sqrtf(2.0f * PL_PI_F); }
@@ -115,14 +128,18 @@ static float excess_of(const pl_cloud_cover *cover, float mean, float value, flo
   return (value + hidden - usual) / cover->spread;
 }
 
-/* Cover for a mean cover of `mean`, over a footprint with a diameter of `width` cells. */
-static broken break_cover(const pl_cloud_cover *cover, float mean, pl_vec3 cell, float width,
-                          bool tops) {
+static pl_fractal noise_of(const pl_cloud_cover *cover) {
+  return (pl_fractal){.octaves = pl_minf((float)cover->detail, cover->clouds->octaves),
+                      .roughness = cover->clouds->roughness,
+                      .lacunarity = 2.0f,
+                      .seed = cover->clouds->seed};
+}
+
+/* Cover for a mean cover of `mean`, over a footprint with a diameter of `width` cells, where the
+ * noise that is resolved has a value. */
+static broken break_cover(const pl_cloud_cover *cover, float mean, float width,
+                          const pl_fractal_value *seen) {
   const pl_clouds *clouds = cover->clouds;
-  const pl_fractal noise = {.octaves = pl_minf((float)cover->detail, clouds->octaves),
-                            .roughness = clouds->roughness,
-                            .lacunarity = 2.0f,
-                            .seed = clouds->seed};
   float lost = 0.0f, uneven = 0.0f, frequency = 1.0f;
   for (int i = 0; i < PL_FRACTAL_OCTAVES && (float)i < clouds->octaves; i++) {
     const float kept = i < cover->detail ? pl_noise_fade(width * frequency) : 0.0f;
@@ -134,13 +151,8 @@ static broken break_cover(const pl_cloud_cover *cover, float mean, pl_vec3 cell,
     }
     frequency *= 2.0f;
   }
-  pl_fractal_value seen = {.value = 0.0f};
-  if (cover->detail > 0 && tops)
-    seen = pl_fractal_gradient(&noise, cell, width);
-  else if (cover->detail > 0)
-    seen.value = pl_fractal_rows[PL_FRACTAL_FBM].evaluate(&noise, cell, width);
-  const float value = cover->scale * seen.value;
-  broken out = {.cover = 1.0f, .gradient = pl_vec3f_scale(seen.gradient, cover->scale)};
+  const float value = cover->scale * seen->value;
+  broken out = {.cover = 1.0f, .gradient = pl_vec3f_scale(seen->gradient, cover->scale)};
   lost *= (float)PL_NOISE_VARIANCE;
   const float edge = clouds->softness * clouds->softness * cover->variance;
   const float spread = sqrtf(edge + lost);
@@ -171,30 +183,91 @@ static pl_vec3f slope_of(const pl_cloud_cover *cover, pl_vec3f gradient) {
                        scale * (s * gradient.x + c * gradient.y), scale * gradient.z);
 }
 
-pl_cloud_place pl_cloud_place_at(const pl_cloud_cover *cover, pl_vec3 point, pl_vec3 across,
-                                 pl_vec3 along, bool tops) {
+/* A footprint on its way to the clouds over it. */
+typedef struct sight {
+  pl_body_place place; /* axes of the shell */
+  pl_vec3 cell;        /* its point, in cells of the first octave */
+  float width;         /* its diameter in cells */
+  float mean;          /* cover */
+  bool noisy;          /* noise breaks the mean cover */
+} sight;
+
+static sight sight_of(const pl_cloud_cover *cover, const pl_cloud_spot *spot) {
   const pl_clouds *clouds = cover->clouds;
-  float mean = clouds->coverage;
-  pl_body_place place = {turn_back(cover, point), turn_back(cover, across), turn_back(cover, along),
-                         0.0, cover->oblate};
-  const double area = pl_vec3_norm(pl_vec3_cross(across, along));
-  const float width = (float)(2.0 * sqrt(area / PL_PI) / clouds->size_m);
-  pl_vec3 cell = pl_vec3_scale(place.point, 1.0 / clouds->size_m);
-  if (clouds->warp != 0.0f) {
-    const pl_vec3 moved = bend(clouds, cell, width);
-    cell = pl_vec3_add(cell, moved);
-    place.point = pl_vec3_madd(place.point, clouds->size_m, moved);
+  const double area = pl_vec3_norm(pl_vec3_cross(spot->across, spot->along));
+  sight out = {.place = {turn_back(cover, spot->point), turn_back(cover, spot->across),
+                         turn_back(cover, spot->along), 0.0, cover->oblate},
+               .width = (float)(2.0 * sqrt(area / PL_PI) / clouds->size_m)};
+  out.cell = pl_vec3_scale(out.place.point, 1.0 / clouds->size_m);
+  return out;
+}
+
+/* Cells and widths of all lanes; unused ones have those of the first. `wider`: factor on the width.
+ */
+static void gather(const sight *sights, size_t count, float wider, pl_point_lanes *cells,
+                   float width[PL_LANES]) {
+  for (size_t i = 0; i < PL_LANES; i++) {
+    const sight *from = &sights[i < count ? i : 0];
+    cells->at[0][i] = from->cell.x;
+    cells->at[1][i] = from->cell.y;
+    cells->at[2][i] = from->cell.z;
+    width[i] = from->width * wider;
   }
+}
+
+static void warp(const pl_clouds *clouds, sight *sights, size_t count) {
+  pl_point_lanes cells;
+  float width[PL_LANES];
+  double moved[3][PL_LANES];
+  if (clouds->warp == 0.0f)
+    return;
+  gather(sights, count, 1.0f, &cells, width);
+  bend(clouds, &cells, width, count, moved);
+  for (size_t i = 0; i < count; i++) {
+    const pl_vec3 by = {moved[0][i], moved[1][i], moved[2][i]};
+    sights[i].cell = pl_vec3_add(sights[i].cell, by);
+    sights[i].place.point = pl_vec3_madd(sights[i].place.point, clouds->size_m, by);
+  }
+}
+
+static void find_mean(const pl_cloud_cover *cover, sight *sight) {
+  const pl_clouds *clouds = cover->clouds;
+  sight->mean = clouds->coverage;
   if (cover->map != NULL) {
     float value[4];
-    pl_body_map_sample(cover->map, &place, PL_FILTER_FINEST, value);
-    mean *= value[0];
+    pl_body_map_sample(cover->map, &sight->place, PL_FILTER_FINEST, value);
+    sight->mean *= value[0];
   }
-  pl_cloud_place out = {.cover = mean, .depth = clouds->depth};
-  const bool uneven = pl_clouds_uneven(clouds);
-  if (pl_clouds_noisy(clouds) && mean > 0.0f && (mean < 1.0f || uneven)) {
-    tops = tops && clouds->relief_m > 0.0f;
-    const broken b = break_cover(cover, mean, cell, width * (1.0f + fabsf(clouds->warp)), tops);
+  sight->noisy = pl_clouds_noisy(clouds) && sight->mean > 0.0f &&
+                 (sight->mean < 1.0f || pl_clouds_uneven(clouds));
+}
+
+/* The resolved noise, of all sights of which one is noisy. */
+static void find_noise(const pl_cloud_cover *cover, const sight *sights, size_t count, bool tops,
+                       pl_fractal_value out[PL_LANES]) {
+  const pl_fractal noise = noise_of(cover);
+  pl_point_lanes cells;
+  float width[PL_LANES], value[PL_LANES];
+  if (cover->detail == 0)
+    return;
+  gather(sights, count, 1.0f + fabsf(cover->clouds->warp), &cells, width);
+  if (tops) {
+    for (size_t i = 0; i < count; i++)
+      out[i] = pl_fractal_gradient(&noise, sights[i].cell, width[i]);
+    return;
+  }
+  find_fbm(&noise, &cells, width, count, value);
+  for (size_t i = 0; i < count; i++)
+    out[i].value = value[i];
+}
+
+static pl_cloud_place place_by(const pl_cloud_cover *cover, const sight *sight, bool tops,
+                               const pl_fractal_value *noise) {
+  const pl_clouds *clouds = cover->clouds;
+  pl_cloud_place out = {.cover = sight->mean, .depth = clouds->depth};
+  if (sight->noisy) {
+    const broken b =
+        break_cover(cover, sight->mean, sight->width * (1.0f + fabsf(clouds->warp)), noise);
     out.cover = b.cover;
     out.unsure = clouds->opacity * b.unsure;
     if (clouds->depth_spread > 0.0f)
@@ -203,6 +276,35 @@ pl_cloud_place pl_cloud_place_at(const pl_cloud_cover *cover, pl_vec3 point, pl_
       out.slope = slope_of(cover, b.gradient);
   }
   out.cover *= clouds->opacity;
+  return out;
+}
+
+void pl_cloud_places(const pl_cloud_cover *cover, const pl_cloud_spot *spots, size_t count,
+                     bool tops, pl_cloud_place *out) {
+  sight sights[PL_LANES];
+  pl_fractal_value noise[PL_LANES] = {{.value = 0.0f}};
+  bool noisy = false;
+  if (count == 0)
+    return;
+  tops = tops && cover->clouds->relief_m > 0.0f;
+  for (size_t i = 0; i < count; i++)
+    sights[i] = sight_of(cover, &spots[i]);
+  warp(cover->clouds, sights, count);
+  for (size_t i = 0; i < count; i++) {
+    find_mean(cover, &sights[i]);
+    noisy |= sights[i].noisy;
+  }
+  if (noisy)
+    find_noise(cover, sights, count, tops, noise);
+  for (size_t i = 0; i < count; i++)
+    out[i] = place_by(cover, &sights[i], tops, &noise[i]);
+}
+
+pl_cloud_place pl_cloud_place_at(const pl_cloud_cover *cover, pl_vec3 point, pl_vec3 across,
+                                 pl_vec3 along, bool tops) {
+  const pl_cloud_spot spot = {point, across, along};
+  pl_cloud_place out;
+  pl_cloud_places(cover, &spot, 1, tops, &out);
   return out;
 }
 

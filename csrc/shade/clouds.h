@@ -5,6 +5,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "base/wide.h"
 #include "geom/texture.h"
 #include "math/vec.h"
 
@@ -67,6 +68,13 @@ typedef struct pl_cloud_place {
  * Sciences 53, 2304.) */
 pl_cloud_place pl_cloud_place_at(const pl_cloud_cover *cover, pl_vec3 point, pl_vec3 across,
                                  pl_vec3 along, bool tops);
+/* A footprint on the shell: its point and extents, body axes, m. */
+typedef struct pl_cloud_spot {
+  pl_vec3 point, across, along;
+} pl_cloud_spot;
+/* The same of up to PL_LANES footprints, which cost less together; of the same bits. */
+void pl_cloud_places(const pl_cloud_cover *cover, const pl_cloud_spot *spots, size_t count,
+                     bool tops, pl_cloud_place *out);
 /* The mean cover alone. Octaves hidden by the footprint or by `detail` are treated as normally
  * distributed, so that the mean cover does not depend on the distance. */
 float pl_cloud_cover_at(const pl_cloud_cover *cover, pl_vec3 point, pl_vec3 across, pl_vec3 along);
