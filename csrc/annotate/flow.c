@@ -30,7 +30,7 @@ bool pl_flow_init(void *const *channels, pl_flow *out) {
 /* Writes a pixel of the images that lead to one frame; `at` is its row-major index, `here` the
  * point in camera axes. `s` NULL: the pixel has no ray. */
 static void write_pixel(const pl_flow *flow, pl_flow_to which, const pl_sight *s, pl_vec3 here,
-                        const double from[2], size_t at) {
+                        const double from[2], size_t at, pl_sight_memo *memo) {
   const pl_sight_frame *to = flow->frames[which];
   float *out = flow->images[which == PL_FLOW_NEXT ? PL_FLOW_FORWARD : PL_FLOW_BACKWARD];
   uint8_t *hidden =
@@ -39,12 +39,12 @@ static void write_pixel(const pl_flow *flow, pl_flow_to which, const pl_sight *s
   double pixel[2] = {NAN, NAN};
   pl_vec3 there = {NAN, NAN, NAN};
   const bool exists = to != NULL && s != NULL && pl_sight_is_there(to, s);
-  const bool known = exists && pl_sight_project(to, s, &there, pixel);
+  const bool known = exists && pl_sight_project(to, s, memo, &there, pixel);
   for (size_t k = 0; out != NULL && k < 2; k++)
     out[2 * at + k] = known ? (float)(pixel[k] - from[k]) : NAN;
   if (hidden != NULL)
     hidden[at] = !known || !pl_pixel_in_image(&to->shot->rays.camera, pixel) ||
-                 !pl_surface_is_none(pl_sight_hidden_by(to, s));
+                 !pl_surface_is_none(pl_sight_hidden_by(to, s, memo));
   if (moved == NULL)
     return;
   const bool point = exists && s->is_point;
@@ -55,6 +55,7 @@ static void write_pixel(const pl_flow *flow, pl_flow_to which, const pl_sight *s
 
 void pl_flow_write(const pl_flow *flow, const pl_snapshot *shot, const pl_point *points,
                    size_t stride, const int tile[4]) {
+  pl_sight_memo here_memo = {0}, memos[PL_FLOW_FRAMES] = {{0}};
   for (int y = 0; y < tile[3]; y++)
     for (int x = 0; x < tile[2]; x++) {
       const double from[2] = {tile[0] + x, tile[1] + y};
@@ -62,13 +63,13 @@ void pl_flow_write(const pl_flow *flow, const pl_snapshot *shot, const pl_point 
           (size_t)(tile[1] + y) * (size_t)shot->rays.camera.width + (size_t)(tile[0] + x);
       const pl_point *point = points != NULL ? &points[(size_t)y * stride + (size_t)x] : NULL;
       const bool hit = point != NULL && !pl_surface_is_none(point->surface_id);
-      const pl_sight s = hit ? pl_sight_of(shot, point)
+      const pl_sight s = hit ? pl_sight_of(shot, point, &here_memo)
                              : pl_sight_towards(pl_snapshot_ray(shot, from[0], from[1]));
       const pl_vec3 here =
           hit ? pl_mat3_mul_vec_t(shot->camera_to_root, point->position) : (pl_vec3){0.0, 0.0, 0.0};
       const bool any = hit || pl_vec3_dot(s.local, s.local) > 0.0;
       for (int to = 0; to < PL_FLOW_FRAMES; to++)
         if (flow->wanted[to])
-          write_pixel(flow, (pl_flow_to)to, any ? &s : NULL, here, from, at);
+          write_pixel(flow, (pl_flow_to)to, any ? &s : NULL, here, from, at, &memos[to]);
     }
 }

@@ -52,11 +52,12 @@ void pl_keypoint_find(const pl_scene *scene, const pl_sight_frame *frame, const 
                    ? on_object(scene, frame, k->owner, k->place)
                    : on_body(scene, frame, k->owner - scene->craft_count, k->place);
   pl_geometry_label met;
+  pl_sight_memo memo = {0};
   pl_vec3 point;
   s.piece = (size_t)k->mover;
   s.deep_m = k->deep_m;
   *out = (pl_keypoint_label){.xy = {NAN, NAN}};
-  const bool imaged = pl_sight_project(frame, &s, &point, out->xy);
+  const bool imaged = pl_sight_project(frame, &s, &memo, &point, out->xy);
   out->position[0] = point.x;
   out->position[1] = point.y;
   out->position[2] = point.z;
@@ -64,7 +65,7 @@ void pl_keypoint_find(const pl_scene *scene, const pl_sight_frame *frame, const 
     out->xy[0] = out->xy[1] = NAN;
   if (!imaged || !pl_pixel_in_image(&frame->shot->rays.camera, out->xy))
     return;
-  const pl_surface_id by = pl_sight_hidden_by(frame, &s);
+  const pl_surface_id by = pl_sight_hidden_by(frame, &s, &memo);
   out->visible = pl_surface_is_none(by) ? PL_KEYPOINT_SEEN : PL_KEYPOINT_HIDDEN;
   if (pl_surface_is_none(by))
     return;

@@ -1,16 +1,9 @@
 #include "annotate/sight.h"
 
-#include "math/affine.h"
 #include "render/geometry.h"
 #include "scene/shutter.h"
 
 /* --- places ----------------------------------------------------------------------------------- */
-
-/* From the coordinates of a sight to camera-relative ones, root axes. */
-typedef struct carrier {
-  pl_affine place;
-  pl_mat3 camera; /* camera axes to root axes */
-} carrier;
 
 static pl_affine rigid(pl_pose pose, pl_vec3 camera) {
   return (pl_affine){pl_mat3_from_quat(pose.q), pl_vec3_sub(pose.t, camera)};
@@ -62,13 +55,27 @@ static pl_affine body_at(const pl_placement *placement, const pl_sight *s, doubl
   return out;
 }
 
-static carrier carrier_at(const pl_placement *placement, const pl_sight *s, double u) {
+static pl_carrier carrier_at(const pl_placement *placement, const pl_sight *s, double u) {
   const pl_pose camera = pl_motion_at(&placement->camera.motion, u);
-  carrier out = {PL_AFFINE_IDENTITY, pl_mat3_from_quat(camera.q)};
+  pl_carrier out = {PL_AFFINE_IDENTITY, pl_mat3_from_quat(camera.q)};
   if (s->is_point)
     out.place = s->object != NULL ? object_at(placement, s, u, camera.t)
                                   : body_at(placement, s, u, camera.t);
   return out;
+}
+
+/* The carrier to the middle of a frame's exposure. */
+static const pl_carrier *carry(const pl_sight_frame *frame, const pl_sight *s,
+                               pl_sight_memo *memo) {
+  if (!memo->has_carrier || memo->carried_piece != s->piece ||
+      !pl_surface_same(memo->carried_id, s->surface_id)) {
+    memo->has_carrier = true;
+    memo->carried_id = s->surface_id;
+    memo->carried_piece = s->piece;
+    memo->carrier = carrier_at(frame->placement, s, 0.5);
+    memo->carried_back = pl_affine_inverse(&memo->carrier.place).m;
+  }
+  return &memo->carrier;
 }
 
 /* --- what a ray hit --------------------------------------------------------------------------- */
@@ -84,28 +91,45 @@ static pl_affine place_of_mesh(const pl_shot_object *object, const pl_shot_piece
   return out;
 }
 
-pl_sight pl_sight_of(const pl_snapshot *shot, const pl_point *point) {
+static pl_affine place_of(const pl_snapshot *shot, const pl_sight *s) {
+  if (!pl_surface_is_mesh(s->surface_id)) {
+    const pl_shot_body *body = pl_shot_body_of(shot, s->surface_id);
+    return (pl_affine){body->rotation, body->center};
+  }
+  const pl_shot_object *object = pl_shot_object_of(shot, s->surface_id);
+  return place_of_mesh(object, object->pieces != NULL ? &object->pieces[s->piece] : NULL);
+}
+
+/* Finds the transforms of the surface of a sight, unless they are those that are known. */
+static void find_place(const pl_snapshot *shot, const pl_sight *s, pl_sight_memo *memo) {
+  if (memo->has_place && memo->piece == s->piece &&
+      pl_surface_same(memo->surface_id, s->surface_id))
+    return;
+  memo->has_place = true;
+  memo->surface_id = s->surface_id;
+  memo->piece = s->piece;
+  memo->place = place_of(shot, s);
+  memo->back = pl_affine_inverse(&memo->place);
+}
+
+pl_sight pl_sight_of(const pl_snapshot *shot, const pl_point *point, pl_sight_memo *memo) {
   pl_sight s = {.is_point = true,
                 .surface_id = point->surface_id,
                 .index = pl_surface_index(point->surface_id)};
-  pl_affine here;
   if (pl_surface_is_mesh(point->surface_id)) {
     const pl_shot_object *object = pl_shot_object_of(shot, point->surface_id);
     const pl_shot_piece *piece = pl_shot_piece_of(object, point->triangle);
-    here = place_of_mesh(object, piece);
     s.object = object->object;
     s.piece = piece != NULL ? (size_t)(piece - object->pieces) : 0;
     s.triangle = point->triangle + 1;
   } else {
-    const pl_shot_body *body = pl_shot_body_of(shot, point->surface_id);
-    here = (pl_affine){body->rotation, body->center};
-    s.radii = body->state->radii_m;
+    s.radii = pl_shot_body_of(shot, point->surface_id)->state->radii_m;
     s.cell_m = (double)pl_vec3f_norm(point->edge1);
   }
-  const pl_affine back = pl_affine_inverse(&here);
-  s.local = pl_affine_apply(&back, point->position);
+  find_place(shot, &s, memo);
+  s.local = pl_affine_apply(&memo->back, point->position);
   /* Normals are covectors. */
-  s.normal = pl_mat3_mul_vec_t(here.m, pl_vec3f_to_double(point->facet));
+  s.normal = pl_mat3_mul_vec_t(memo->place.m, pl_vec3f_to_double(point->facet));
   return s;
 }
 
@@ -126,13 +150,14 @@ bool pl_sight_is_there(const pl_sight_frame *frame, const pl_sight *s) {
 enum { ROW_ITERATIONS = 40 };
 static const double ROW_PX = 1e-7;
 
-bool pl_sight_project(const pl_sight_frame *frame, const pl_sight *s, pl_vec3 *point,
-                      double pixel[2]) {
+bool pl_sight_project(const pl_sight_frame *frame, const pl_sight *s, pl_sight_memo *memo,
+                      pl_vec3 *point, double pixel[2]) {
   const pl_placement *placement = frame->placement;
   double row = 0.5 * (placement->camera.height - 1);
   for (int i = 0; i < ROW_ITERATIONS; i++) {
-    const double u = frame->rows ? pl_shutter_row_share(placement, row) : 0.5;
-    const carrier c = carrier_at(placement, s, u);
+    const pl_carrier c = frame->rows
+                             ? carrier_at(placement, s, pl_shutter_row_share(placement, row))
+                             : *carry(frame, s, memo);
     *point = pl_mat3_mul_vec_t(c.camera, pl_affine_apply(&c.place, s->local));
     if (!pl_camera_project(&frame->shot->rays.camera, *point, pixel))
       return false;
@@ -181,13 +206,14 @@ static double slack_m(const pl_sight_frame *frame, const pl_sight *s, const pl_h
 
 /* Cosine between the way to the camera and the normal; without one above 0: on a body that to the
  * radius, else 1. */
-static double cosine_of(const pl_sight *s, const carrier *c, pl_vec3 ray) {
+static double cosine_of(const pl_sight *s, const pl_sight_memo *memo, pl_vec3 ray) {
   if (!(pl_vec3_dot(s->normal, s->normal) > 0.0))
     return s->object != NULL
                ? 1.0
-               : fmax(-pl_vec3_dot(pl_vec3_unit(pl_mat3_mul_vec(c->place.m, s->local)), ray), 1e-9);
-  const pl_affine back = pl_affine_inverse(&c->place);
-  return -pl_vec3_dot(pl_vec3_unit(pl_mat3_mul_vec_t(back.m, s->normal)), ray);
+               : fmax(-pl_vec3_dot(pl_vec3_unit(pl_mat3_mul_vec(memo->carrier.place.m, s->local)),
+                                   ray),
+                      1e-9);
+  return -pl_vec3_dot(pl_vec3_unit(pl_mat3_mul_vec_t(memo->carried_back, s->normal)), ray);
 }
 
 /* Whether a hit is where the point is, whatever its distance. Ellipsoids are convex. */
@@ -197,12 +223,13 @@ static bool is_there_itself(const pl_sight *s, const pl_hit *hit) {
           (s->object != NULL && s->triangle == hit->triangle + 1));
 }
 
-pl_surface_id pl_sight_hidden_by(const pl_sight_frame *frame, const pl_sight *s) {
-  const carrier c = carrier_at(frame->placement, s, 0.5);
-  const pl_vec3 p = pl_affine_apply(&c.place, s->local), ray = pl_vec3_unit(p);
+pl_surface_id pl_sight_hidden_by(const pl_sight_frame *frame, const pl_sight *s,
+                                 pl_sight_memo *memo) {
+  const pl_carrier *c = carry(frame, s, memo);
+  const pl_vec3 p = pl_affine_apply(&c->place, s->local), ray = pl_vec3_unit(p);
   const pl_ray seen = {
       .t_max = INFINITY, .direction = ray, .skip_body = PL_NO_BODY, .from_surface = PL_NO_SURFACE};
-  const double cosine = s->is_point ? cosine_of(s, &c, ray) : 1.0;
+  const double cosine = s->is_point ? cosine_of(s, memo, ray) : 1.0;
   pl_hit hit;
   if (!(cosine > 0.0))
     return s->surface_id;

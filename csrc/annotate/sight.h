@@ -3,6 +3,7 @@
 #ifndef PL_ANNOTATE_SIGHT_H
 #define PL_ANNOTATE_SIGHT_H
 
+#include "math/affine.h"
 #include "render/vertex.h"
 #include "scene/scene.h"
 
@@ -33,8 +34,26 @@ typedef struct pl_sight {
   double deep_m;           /* how far it may lie behind its own surface */
 } pl_sight;
 
+/* From the coordinates of sights on one surface to those of a frame in the middle of its exposure.
+ */
+typedef struct pl_carrier {
+  pl_affine place; /* to camera-relative coordinates, root axes */
+  pl_mat3 camera;  /* camera axes to root axes */
+} pl_carrier;
+
+/* Transforms of the surface that was met last: neighbouring pixels mostly see the same. It changes
+ * no bits. Initialise with zeros, for one frame that points are from, and one that they lead to. */
+typedef struct pl_sight_memo {
+  bool has_place, has_carrier;
+  pl_surface_id surface_id, carried_id;
+  size_t piece, carried_piece;
+  pl_affine place, back; /* from the coordinates of sights to camera-relative ones, and back */
+  pl_carrier carrier;
+  pl_mat3 carried_back; /* inverse of the carrier's matrix */
+} pl_sight_memo;
+
 /* What a ray through a pixel's centre hit. */
-pl_sight pl_sight_of(const pl_snapshot *shot, const pl_point *point);
+pl_sight pl_sight_of(const pl_snapshot *shot, const pl_point *point, pl_sight_memo *memo);
 static inline pl_sight pl_sight_towards(pl_vec3 direction) {
   return (pl_sight){.local = direction, .surface_id = PL_NO_SURFACE};
 }
@@ -44,12 +63,13 @@ bool pl_sight_is_there(const pl_sight_frame *frame, const pl_sight *sight);
 
 /* Projects; with a rolling shutter at the time of the row that sees the point. *point receives its
  * place in camera axes, m. Returns false if it has no image. */
-bool pl_sight_project(const pl_sight_frame *frame, const pl_sight *sight, pl_vec3 *point,
-                      double pixel[2]);
+bool pl_sight_project(const pl_sight_frame *frame, const pl_sight *sight, pl_sight_memo *memo,
+                      pl_vec3 *point, double pixel[2]);
 bool pl_pixel_in_image(const pl_camera *camera, const double pixel[2]);
 
 /* Returns what hides a sight from the camera, in the middle of the exposure: its own surface also
  * if that turns its other side; PL_NO_SURFACE: nothing. */
-pl_surface_id pl_sight_hidden_by(const pl_sight_frame *frame, const pl_sight *sight);
+pl_surface_id pl_sight_hidden_by(const pl_sight_frame *frame, const pl_sight *sight,
+                                 pl_sight_memo *memo);
 
 #endif

@@ -77,14 +77,20 @@ static bool is_seen(const pl_silhouette_job *job, size_t slot, const pl_seen *se
          job->parts[pl_object_part(job->shot->objects[slot].object, seen->triangle)] != 0;
 }
 
-void pl_silhouette_see(const pl_silhouette_job *job, size_t object, const pl_extent *within,
-                       pl_extent *out) {
-  *out = PL_EXTENT_NONE;
+void pl_silhouette_see_parts(const pl_silhouette_job *job, size_t slot, const pl_extent *within,
+                             pl_extent *parts) {
+  const pl_object *object = job->shot->objects[slot].object;
+  const size_t width = (size_t)job->shot->rays.camera.width;
+  for (size_t i = 0; i < object->part_count; i++)
+    parts[i] = PL_EXTENT_NONE;
   for (int32_t y = within->y0; y <= within->y1; y++)
-    for (int32_t x = within->x0; x <= within->x1; x++)
-      if (is_seen(job, object,
-                  &job->seen[(size_t)y * (size_t)job->shot->rays.camera.width + (size_t)x]))
-        pl_extent_merge(out, &(pl_extent){x, y, x, y, 1});
+    for (int32_t x = within->x0; x <= within->x1; x++) {
+      const pl_seen *seen = &job->seen[(size_t)y * width + (size_t)x];
+      if (!pl_surface_is_none(seen->surface_id) &&
+          pl_shot_slot(job->shot, seen->surface_id) == slot)
+        pl_extent_merge(&parts[pl_object_part(object, seen->triangle)],
+                        &(pl_extent){x, y, x, y, 1});
+    }
 }
 
 /* Decides a pixel by its visible surface, or adds it to those that need a ray if the object may be

@@ -58,9 +58,9 @@ typedef struct pl_silhouette_job {
 pl_status pl_silhouette_find(const pl_silhouette_job *job, size_t slot, const pl_outline *outline,
                              const pl_extent *extent, uint8_t *mask, pl_silhouette *out);
 
-/* Finds the extent of the visible pixels of the parts that count, within those of their object. */
-void pl_silhouette_see(const pl_silhouette_job *job, size_t object, const pl_extent *within,
-                       pl_extent *out);
+/* Finds the extents of the visible pixels of each part of an object, within those of the object. */
+void pl_silhouette_see_parts(const pl_silhouette_job *job, size_t object, const pl_extent *within,
+                             pl_extent *parts);
 
 /* Sets bbox_obj, px_count_all, px_count_valid and visib_fract of a label whose visible part is
  * filled. Counts saturate at INT32_MAX. */

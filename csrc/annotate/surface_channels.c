@@ -1,16 +1,34 @@
 #include "annotate/surface_channels.h"
 
+/* Everything that colours a surface, whatever the plan leaves out of the picture; nothing that only
+ * bends or lights it. */
+static pl_detail detail_of_colors(void) {
+  pl_detail detail = PL_DETAIL_FULL;
+  detail.relief = detail.sub_cell = detail.lights = false;
+  return detail;
+}
+
+/* Vertices are shaded together, as those of a picture. */
 void pl_write_albedo(const pl_label_run *run, void *pixels) {
   const pl_camera *camera = &run->shot->rays.camera;
   const float spread = (float)(1.0 / fmax(camera->fx, camera->fy));
+  const pl_detail detail = detail_of_colors();
+  pl_vertex vertices[PL_SHADE_RUN];
+  pl_beam beams[PL_SHADE_RUN];
+  pl_vertex_view views[PL_SHADE_RUN];
   float *out = pixels;
-  for (size_t i = 0; i < run->count; i++) {
-    pl_vertex vertex = pl_point_vertex(&run->points[i]);
-    const pl_beam beam = {.direction = pl_vec3_unit(vertex.position), .spread = spread};
-    /* Whatever the plan leaves out of the picture. */
-    pl_vertex_shade(run->shot, &beam, PL_DETAIL_FULL, &vertex);
-    out[3 * i] = vertex.surface.color.x;
-    out[3 * i + 1] = vertex.surface.color.y;
-    out[3 * i + 2] = vertex.surface.color.z;
+  for (size_t from = 0; from < run->count; from += PL_SHADE_RUN) {
+    const size_t left = run->count - from, count = left < PL_SHADE_RUN ? left : PL_SHADE_RUN;
+    for (size_t i = 0; i < count; i++) {
+      vertices[i] = pl_point_vertex(&run->points[from + i]);
+      beams[i] = (pl_beam){.direction = pl_vec3_unit(vertices[i].position), .spread = spread};
+      views[i] = (pl_vertex_view){&beams[i], &vertices[i]};
+    }
+    pl_vertex_shade_run(run->shot, detail, views, count);
+    for (size_t i = 0; i < count; i++, out += 3) {
+      out[0] = vertices[i].surface.color.x;
+      out[1] = vertices[i].surface.color.y;
+      out[2] = vertices[i].surface.color.z;
+    }
   }
 }

@@ -10,6 +10,14 @@
 
 /* --- choices ---------------------------------------------------------------------------------- */
 
+/* Rays that `coverage` casts in a pixel. */
+static int label_rays_of(const pl_frame_request *request) {
+  pl_instance_coverage coverage;
+  return pl_instance_coverage_init(&request->coverage, request->channels, &coverage)
+             ? request->coverage.samples
+             : 0;
+}
+
 static pl_render_settings settings_of(const pl_frame_request *request,
                                       const pl_frame_result *result) {
   const pl_plan *plan = &result->plan;
@@ -23,6 +31,7 @@ static pl_render_settings settings_of(const pl_frame_request *request,
       .seed = request->seed,
       .frame = request->index,
       .samples = samples > 0 ? samples : 1,
+      .label_rays = label_rays_of(request),
       .bounces = pl_plan_value(plan, &pl_effect_bounces),
       .effects = pl_plan_values(plan),
       .detail = pl_plan_detail(plan),
@@ -80,6 +89,7 @@ pl_choice pl_choice_of_metering(const pl_frame_request *request, const pl_plan *
   const pl_frame_result result = {.plan = *plan};
   pl_choice out = pl_choice_of_plan(request, &result, true);
   out.settings.samples = samples;
+  out.settings.label_rays = 0;
   out.settings.exact = false;
   out.settings.noise_dn = 0.0f;
   out.settings.shadow_mask = out.settings.shadow_cause = false;

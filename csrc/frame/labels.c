@@ -147,38 +147,63 @@ static pl_status label_entity(const pl_labels *labels, const pl_silhouette_job *
   return labels->outlines != NULL ? find_silhouette(labels, job, slot, row, &extent) : PL_OK;
 }
 
-/* `pieces`, `boxes`: scratch memory, see pl_outline_of_parts. */
+/* Scratch memory for labels of groups. */
+typedef struct group_scratch {
+  pl_outline *pieces; /* see pl_outline_of_parts */
+  pl_cluster *boxes;
+  pl_extent *parts; /* visible pixels of each part of the object that was looked at last */
+  size_t object;
+} group_scratch;
+
+static pl_extent seen_of(const pl_labels *labels, const pl_silhouette_job *job,
+                         const pl_part_group *group, group_scratch *scratch) {
+  pl_extent out = PL_EXTENT_NONE;
+  if (scratch->object != group->object) {
+    const pl_extent within = extent_of(labels, group->object);
+    pl_silhouette_see_parts(job, group->object, &within, scratch->parts);
+    scratch->object = group->object;
+  }
+  for (size_t i = 0; i < labels->shot->objects[group->object].object->part_count; i++)
+    if (group->parts[i] != 0)
+      pl_extent_merge(&out, &scratch->parts[i]);
+  return out;
+}
+
 static pl_status label_group(const pl_labels *labels, const pl_silhouette_job *job,
-                             const pl_part_group *group, pl_outline *pieces, pl_cluster *boxes,
+                             const pl_part_group *group, group_scratch *scratch,
                              pl_object_label *label) {
-  const pl_extent within = extent_of(labels, group->object);
-  const pl_outline outline = pl_outline_of_parts(
-      labels->shot, group->object, &labels->outlines[group->object], group->parts, pieces, boxes);
+  const pl_outline outline =
+      pl_outline_of_parts(labels->shot, group->object, &labels->outlines[group->object],
+                          group->parts, scratch->pieces, scratch->boxes);
+  const pl_extent extent = seen_of(labels, job, group, scratch);
   pl_silhouette_job own = *job;
   pl_silhouette silhouette;
-  pl_extent extent;
   own.parts = group->parts;
-  pl_silhouette_see(&own, group->object, &within, &extent);
   pl_object_label_fill(labels->shot, group->object, &extent, label);
   PL_TRY(pl_silhouette_find(&own, group->object, &outline, &extent, NULL, &silhouette));
   pl_silhouette_label(&silhouette, label);
   return PL_OK;
 }
 
+static size_t larger(size_t a, size_t b) { return a > b ? a : b; }
+
 static pl_status label_groups(const pl_labels *labels, const pl_silhouette_job *job,
                               pl_arena *arena) {
   const pl_frame_request *request = labels->request;
-  void *pieces, *boxes;
-  size_t most = 1;
+  void *pieces, *boxes, *parts;
+  size_t most_pieces = 1, most_parts = 1;
   if (request->group_labels == NULL)
     return PL_OK;
-  for (size_t i = 0; i < labels->shot->craft_count; i++)
-    most =
-        labels->shot->objects[i].piece_count > most ? labels->shot->objects[i].piece_count : most;
-  PL_TRY(take(arena, most, sizeof(pl_outline), &pieces));
-  PL_TRY(take(arena, most, sizeof(pl_cluster), &boxes));
+  for (size_t i = 0; i < labels->shot->craft_count; i++) {
+    most_pieces = larger(most_pieces, labels->shot->objects[i].piece_count);
+    most_parts = larger(most_parts, labels->shot->objects[i].object->part_count);
+  }
+  PL_TRY(take(arena, most_pieces, sizeof(pl_outline), &pieces));
+  PL_TRY(take(arena, most_pieces, sizeof(pl_cluster), &boxes));
+  PL_TRY(take(arena, most_parts, sizeof(pl_extent), &parts));
+  group_scratch scratch = {.pieces = pieces, .boxes = boxes, .parts = parts, .object = SIZE_MAX};
   for (size_t i = 0; i < request->group_count; i++)
-    PL_TRY(label_group(labels, job, &request->groups[i], pieces, boxes, &request->group_labels[i]));
+    PL_TRY(label_group(labels, job, &request->groups[i], &scratch, &request->group_labels[i]));
   return PL_OK;
 }
 

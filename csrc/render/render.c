@@ -462,10 +462,11 @@ static pl_status make_effect_buffers(const job *job) {
   return PL_OK;
 }
 
-/* Approximate number of rays per pixel: one through its centre, and one per sample. */
+/* Approximate number of rays per pixel: one through its centre, and those of colour and labels. */
 static int rays_of(const pl_render_settings *settings) {
   const int count = settings->slice != NULL ? settings->slice->count : 0;
-  return count > 0 ? (settings->samples + count - 1) / count : 1 + settings->samples;
+  return count > 0 ? (settings->samples + count - 1) / count
+                   : 1 + settings->samples + settings->label_rays;
 }
 
 pl_status pl_render(const pl_snapshot *shot, const pl_tracer *tracer,

@@ -22,6 +22,7 @@
 typedef struct pl_render_settings {
   uint64_t seed, frame; /* part of the key of all random numbers */
   int samples;          /* colour samples per pixel; 0: no colour, only labels */
+  int label_rays;       /* of labels, in each pixel that a mesh may show in; beside the centre's */
   int bounces;          /* maximum number, on meshes */
   const pl_limb *limb;  /* limb darkening of the sun's disc, with soft_sun; NULL: uniform disc */
   pl_effect_values effects;
