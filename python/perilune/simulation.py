@@ -18,7 +18,6 @@ from perilune.base.same import Same
 from perilune.base.timeline import Timeline
 from perilune.bodies.shapes import BodyShape
 from perilune.camera import bands, trajectories
-from perilune.camera.optics import picture_lens, shutter_times
 from perilune.config import Config, ConfigError
 from perilune.config.errors import named
 from perilune.cost.costed import Costed
@@ -36,13 +35,13 @@ from perilune.document.references import (
 from perilune.frame import craters, labels, motion, passes, shutter
 from perilune.frame.ground_tables import GroundTables, body_with_terrain
 from perilune.frame.handles import Assets, Handles, ObjectModel
+from perilune.frame.metadata import Metadata
 from perilune.frame.placing import placed
 from perilune.frame.range_sensors import RangeSensors
 from perilune.frame.remarks import Remarks
-from perilune.frame.request import arrays_of, camera_label, object_dtype
+from perilune.frame.request import arrays_of, object_dtype
 from perilune.frame.rows import row_poses
 from perilune.frame.shown import Plan
-from perilune.frame.states import states
 from perilune.frame.unseen import Unseen
 from perilune.orbits import Setting, System, solar_system
 from perilune.orbits.hooked import hooks_of
@@ -245,7 +244,8 @@ class Simulation(RangeSensors, Costed):
 
         Its section `camera` is the platform's; `world(index).camera` is the camera that takes the
         frame."""
-        return self._document.at(index)
+        config, drawn = self._document.at(index)
+        return config, dict(drawn)
 
     def _setting(self, config: Config, index: int) -> Setting:
         moment = config.timeline.at(index)
@@ -253,7 +253,7 @@ class Simulation(RangeSensors, Costed):
 
         @lru_cache(maxsize=1)
         def first_of_scene() -> Setting:
-            return self._setting(self.config_at(first)[0], first)
+            return self._setting(self._document.at(first)[0], first)
 
         return Setting(
             config=config,
@@ -283,12 +283,12 @@ class Simulation(RangeSensors, Costed):
     def system(self, index: int) -> System:
         """Motion of bodies and spacecraft in a frame, at any time."""
         index = arguments.frame_index(index)
-        return System(self._setting(self.config_at(index)[0], index))
+        return System(self._setting(self._document.at(index)[0], index))
 
     def world(self, index: int) -> World:
         """Everything in a frame except the camera's pose: a perilune.world.World."""
         index = arguments.frame_index(index)
-        config, drawn = self.config_at(index)
+        config, drawn = self._document.at(index)
         mine = self._mine()
         radii_m, shapes = mine.radii_m(config), mine.shapes_of(config)
         system = System(self._setting(config, index))
@@ -435,13 +435,13 @@ class Simulation(RangeSensors, Costed):
         except Exception as error:
             error.add_note(f"{self._document.source}: frame {scene.index}")
             raise
-        meta = self._meta(scene, posed, result)
+        more: dict[str, Any] = {}
         if scene.camera.line_time_us > 0.0:
-            meta["rows"] = row_poses(
+            more["rows"] = row_poses(
                 scene.config, request, result["plan"], handles.rigs, handles.scales(scene.config)
             )
         if "bands" in arrays or ("raw" in arrays and bands.has_planes(scene.config.camera)):
-            meta["bands"] = bands.described(scene.config.camera, scene.config.sun)
+            more["bands"] = bands.described(scene.config.camera, scene.config.sun)
         objects, found = arrays.pop(OBJECTS, None), arrays.pop(KEYPOINTS, None)
         groups = arrays.pop("part_groups", None)
         unseen = self._unseen.look(scene.config, objects)
@@ -449,14 +449,16 @@ class Simulation(RangeSensors, Costed):
             where = f"{self._document.source}: camera.trajectory.target"
             self._remarks.tell_of_key(where, unseen)
         self._remarks.tell_of_ground(self._document.source, result["ground"])
-        label = camera_label(request, scene.sensor, not undistorted)
-        meta |= states(scene, request, label, result["plan"])
         tables = {}
         if found is not None:
             tables[KEYPOINTS] = handles.keypoints.table(found)
         if groups is not None:
-            tables[HIERARCHY] = handles.hierarchy_of(scene.config, groups, meta["articulation"])
-        return Sample(arrays, objects, label, meta, result["plan"], seen(result["stars"]), tables)
+            articulated = {name: row.meta for name, row in posed.items()}
+            tables[HIERARCHY] = handles.hierarchy_of(scene.config, groups, articulated)
+        told = Metadata(
+            scene, self._document, request, posed, result, more, undistorted=undistorted
+        )
+        return Sample(arrays, objects, told, result["plan"], seen(result["stars"]), tables)
 
     def terrain(self, index: int, body: str | None = None) -> _core.Terrain:
         """The ground of a body in a frame: heights, slopes and craters at any place.
@@ -506,32 +508,6 @@ class Simulation(RangeSensors, Costed):
 
     def _tables(self, scene: World, sample: Sample) -> GroundTables:
         return GroundTables(scene, sample, sample.camera, self._mine(), self.taxonomy)
-
-    def _meta(
-        self, scene: World, posed: Mapping[str, articulation.Posed], result: _core.FrameResult
-    ) -> dict[str, Any]:
-        """Metadata of a sample, except its bands."""
-        white = result["white_radiance"]
-        meta: dict[str, Any] = {
-            "seed": scene.config.seed,
-            "index": scene.index,
-            "step": scene.step,
-            "scene": scene.scene,
-            "sensor": scene.sensor,
-            "time_utc": scene.date.utc(),
-            "drivers": dict(scene.drivers),
-            "scene_drivers": self._document.scene_values(scene.index),
-            "overrides": dict(self._document.changes),
-            "articulation": {name: row.meta for name, row in posed.items()},
-            "lens": picture_lens(scene.config.camera),
-            "shutter": shutter_times(scene.config.camera),
-            "white_radiance": None if np.isnan(white) else white,
-            "timings_s": result["timings_s"],
-        }
-        if not np.isnan(result["exposure_s"]):
-            meta["exposure_s"] = result["exposure_s"]
-            meta["gain_e_dn"] = result["gain_e_dn"]
-        return meta
 
     def plot_orbits(self, frames: Iterable[int] = (0,), **options: Any) -> Any:
         """A matplotlib Figure of the orbits in some frames; see show/plots/orbits.py."""

@@ -41,8 +41,8 @@ from perilune.drivers import (
     DriverError,
     Found,
     KeyPath,
+    Named,
     Plan,
-    copied,
     find,
     names,
     substitute,
@@ -164,7 +164,7 @@ class Document:
         """All drivers, in the order of the tree."""
         return self._plan.drivers
 
-    def at(self, frame: int) -> tuple[Config, dict[str, Any]]:
+    def at(self, frame: int) -> tuple[Config, Mapping[str, Any]]:
         """The configuration of a frame, and the values of its drivers, by key path.
 
         All frames of a step have the same."""
@@ -176,7 +176,7 @@ class Document:
         if config is None:
             made = self._like(step, values) or self._patched(values)
             config = _keep(self._configs, _KEPT_STEPS, step, made)
-        return config, self._by_name(values)
+        return config, Named(self.drivers, values)
 
     def _like(self, step: int, values: Mapping[KeyPath, Any]) -> Config | None:
         """The configuration of another step for which drivers drew the very same values: those of a
@@ -222,7 +222,7 @@ class Document:
         first = self._first_step(step)
         if not self.drivers or first == step:
             return {}
-        now, then = self._by_name(self._values(step)), self._by_name(self._values(first))
+        now, then = (Named(self.drivers, self._values(at)) for at in (step, first))
         return {name: value for name, value in then.items() if value != now[name]}
 
     def _first_step(self, step: int) -> int:
@@ -268,9 +268,6 @@ class Document:
         for values in rows.values():
             self._validate(values)
         return rows
-
-    def _by_name(self, values: Mapping[KeyPath, Any]) -> dict[str, Any]:
-        return {driver.name: copied(values[driver.path]) for driver in self.drivers}
 
     def _grouped(self) -> Plan:
         """The drivers with their groups, defaults and functions."""

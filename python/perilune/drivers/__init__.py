@@ -20,7 +20,7 @@ scene (time.frames_per_scene steps)."""
 
 from perilune.drivers.common import Drawn, DriverError, KeyPath, path_text
 from perilune.drivers.mapping import Driver
-from perilune.drivers.plan import Defaults, Group, Plan, copied, factor
+from perilune.drivers.plan import Defaults, Group, Named, Plan, factor
 from perilune.drivers.tree import KINDS, Found, find, marked, names, substitute, without
 
 __all__ = [
@@ -32,8 +32,8 @@ __all__ = [
     "Found",
     "Group",
     "KeyPath",
+    "Named",
     "Plan",
-    "copied",
     "factor",
     "find",
     "marked",

@@ -99,6 +99,27 @@ def copied(value: Any) -> Any:
     return value if isinstance(value, (float, int, str)) else copy.deepcopy(value)
 
 
+class Named(Mapping[str, Any]):
+    """Values of drivers by their key paths as text, copied when they are first read."""
+
+    def __init__(self, drivers: Sequence[Found], values: Mapping[KeyPath, Any]) -> None:
+        self._drivers = drivers
+        self._values = values
+
+    @cached_property
+    def _copies(self) -> dict[str, Any]:
+        return {driver.name: copied(self._values[driver.path]) for driver in self._drivers}
+
+    def __getitem__(self, name: str) -> Any:
+        return self._copies[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._copies)
+
+    def __len__(self) -> int:
+        return len(self._drivers)
+
+
 @dataclass(frozen=True)
 class Defaults:
     """Settings of drivers that nothing else sets."""

@@ -259,8 +259,10 @@ def arrays_of(
     return arrays
 
 
-def camera_label(request: _core.FrameRequest, sensor: str | None, bent: bool) -> CameraLabel:
-    """The camera in the middle of the exposure. bent: the labels include the lens's distortion."""
+def camera_label(request: Mapping[str, Any], sensor: str | None, bent: bool) -> CameraLabel:
+    """The camera in the middle of the exposure.
+
+    request: the core's input. bent: the labels include the lens's distortion."""
     opening, closing = request["camera_pose"]
     center, q = 0.5 * (opening[:3] + closing[:3]), rotations.middle(opening[3:], closing[3:])
     motion = request["motion"]

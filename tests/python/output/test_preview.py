@@ -12,7 +12,7 @@ import perilune
 from perilune import _core
 from perilune.base import colors
 from perilune.frame.request import object_dtype
-from perilune.sample import CameraLabel, Sample
+from perilune.sample import CameraLabel, Description, Sample
 from perilune.show import notebook, preview
 from perilune.show.preview import canvas, overlay, panels, sheet
 
@@ -45,7 +45,7 @@ def make_sample(width=64, height=48, empty=False, channels=None):
     camera = CameraLabel(K, width, height, np.eye(3), np.zeros(3))
     meta = {"seed": 1, "index": 0, "time_utc": "2026-03-20T12:00:00.000Z"}
     chosen = {name: everywhere[name] for name in channels or everywhere}
-    return Sample(chosen, objects, camera, meta, [])
+    return Sample(chosen, objects, Description(camera, meta), [])
 
 
 @pytest.mark.parametrize("empty", [False, True])
@@ -89,7 +89,7 @@ def test_written_sheet_is_what_was_drawn(small_scene, tmp_path):
 
 def test_sheet_of_nothing_is_refused():
     sample = make_sample()
-    bare = Sample({}, sample.objects, sample.camera, sample.meta, [])
+    bare = Sample({}, sample.objects, Description(sample.camera, sample.meta), [])
     with pytest.raises(ValueError, match="no pixel channel"):
         preview.draw(bare)
     assert notebook._sample_png(bare) is None
@@ -98,7 +98,8 @@ def test_sheet_of_nothing_is_refused():
 def test_sample_without_objects_or_rgb_is_drawn():
     whole = make_sample()
     for channels in ({"rgb": whole["rgb"]}, {"depth": whole["depth"]}):
-        assert preview.draw(Sample(channels, None, whole.camera, whole.meta, [])).any()
+        described = Description(whole.camera, whole.meta)
+        assert preview.draw(Sample(channels, None, described, [])).any()
 
 
 def test_overlay_draws_box_and_axes_where_they_belong():
@@ -128,7 +129,7 @@ def test_axes_are_where_the_lens_puts_them(lens):
     """An object far off the axis: each axis runs through the projections of its own points."""
     plain = make_sample(640, 480)
     camera = replace(plain.camera, lens=lens)
-    sample = Sample(dict(plain), plain.objects, camera, plain.meta, [])
+    sample = Sample(dict(plain), plain.objects, Description(camera, plain.meta), [])
     sample.objects["t_m2c"] = origin = np.array([12.0, -10.0, 50.0])
     sample.objects["bbox_visib"] = [0, 0, 160, 160]
     picture = sheet._overlay_panel(sample, (480, 640)).image.astype(int)
