@@ -8,10 +8,9 @@ from dataclasses import dataclass
 from functools import cached_property
 from operator import is_
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 from pydantic import ValidationError
-from pydantic_core import PydanticCustomError
 
 from perilune.base.hooks import HookError
 from perilune.config.errors import (
@@ -88,6 +87,16 @@ class Given:
     overrides: Mapping[str, Any]
     """Overrides of perilune.open."""
     replay: Mapping[str, Any] | None
+
+
+class _Ideal(NamedTuple):
+    """Where a limit of a driver is tried: all drivers have their ideals there."""
+
+    tree: Mapping[str, Any]
+    config: Config
+    fixed: Mapping[str, Any]
+    """What no driver may change there."""
+    patch: Patch
 
 
 class Document:
@@ -193,10 +202,7 @@ class Document:
         key = repr(chosen)
         patch = self._patches.get(key)
         if patch is not None:
-            try:
-                config = patch.config(values)
-            except (ValidationError, PydanticCustomError, ValueError):
-                config = None  # so that errors are those of the whole configuration
+            config = patch.tried(values)
             if config is not None:
                 return config
         config = self._validate(values)
@@ -350,36 +356,38 @@ class Document:
         """Checks that each driver's limits are valid values, so that no later frame fails on
         them."""
         limits = Limits(self.tree)
-        tree: Mapping[str, Any] = self.tree
-        owner, ideal, fixed_by_scene = None, self.config, fixed(self.config)
+        place = _Ideal(self.tree, self.config, fixed(self.config), self._patch_of(self.tree))
+        owner = None
         for driver in self.drivers:
             untried = limits.untried(driver)
             if untried and limits.owner(driver.path) != owner:
                 owner = limits.owner(driver.path)
                 tree = limits.tree_for(owner)
                 ideal = self._validate(self._plan.ideals, self._plan.ideal_keys, tree)
-                fixed_by_scene = fixed(ideal)
+                place = _Ideal(tree, ideal, fixed(ideal), self._patch_of(tree, ideal))
             for part, limit in untried:
-                self._check_limit(driver, part, limit, tree, ideal, fixed_by_scene)
+                self._check_limit(driver, part, limit, place)
 
-    def _check_limit(
-        self,
-        driver: Found,
-        part: str,
-        limit: Any,
-        tree: Mapping[str, Any],
-        ideal: Config,
-        fixed_by_scene: Mapping[str, Any],
-    ) -> None:
-        """Checks one limit in a tree. ideal: what is configured there with all drivers at their
-        ideals."""
+    def _patch_of(self, tree: Mapping[str, Any], ideal: Config | None = None) -> Patch:
+        """For the numbers of all drivers in a tree. ideal: what is configured there with all
+        drivers at their ideals."""
+        chosen = {path: self._plan.ideals[path] for path in self._choosing if contains(tree, path)}
+        numbers = [row.path for row in self.drivers if row.path not in self._choosing]
+        driven = [path for path in numbers if contains(tree, path)]
+        return Patch(ideal or self.config, substitute(tree, chosen), driven, self.path)
+
+    def _check_limit(self, driver: Found, part: str, limit: Any, place: _Ideal) -> None:
+        """Checks one limit."""
         ideals, ideal_keys = self._plan.ideals, self._plan.ideal_keys
-        config = self._validate(
-            {**ideals, driver.path: limit}, {**ideal_keys, driver.name: part}, tree
-        )
-        check_references(config, self.source, self.drivers, self.origins, ideal)
+        values = {**ideals, driver.path: limit}
+        config = None
+        if driver.path not in self._choosing:
+            config = place.patch.tried(values)
+        if config is None:
+            config = self._validate(values, {**ideal_keys, driver.name: part}, place.tree)
+        check_references(config, self.source, self.drivers, self.origins, place.config)
         for key, value in fixed(config).items():
-            if fixed_by_scene.get(key) != value:
+            if place.fixed.get(key) != value:
                 raise ConfigError(
                     f"{self.source}: {driver.name}: takes no driver: it changes {key}, "
                     "which is fixed when the scene is built"

@@ -21,8 +21,10 @@ from pydantic import (
     BeforeValidator,
     PlainValidator,
     TypeAdapter,
+    ValidationError,
     WrapValidator,
 )
+from pydantic_core import PydanticCustomError
 
 from perilune.config.schema import Config
 from perilune.config.types import of_structure
@@ -217,3 +219,11 @@ class Patch:
             return None
         found: Config = self._driven.applied(self._config, values, self._info)
         return found
+
+    def tried(self, values: Mapping[KeyPath, Any]) -> Config | None:
+        """As `config`; None also for values at fault, so that errors are those of the whole
+        configuration."""
+        try:
+            return self.config(values)
+        except (ValidationError, PydanticCustomError, ValueError):
+            return None
