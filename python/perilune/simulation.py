@@ -14,8 +14,8 @@ from perilune import _core
 from perilune.base import arguments
 from perilune.base.hooks import Hook
 from perilune.base.processors import default_threads
-from perilune.base.same import Same
-from perilune.base.timeline import Timeline
+from perilune.base.same import Latest, Same
+from perilune.base.timeline import Moment, Timeline
 from perilune.bodies.shapes import BodyShape
 from perilune.camera import bands, trajectories
 from perilune.config import Config, ConfigError
@@ -112,6 +112,7 @@ class Simulation(RangeSensors, Costed):
         self._epoch = solar_system.date_from_utc(document.config.time.utc_fields())
         self._drawn: Kept[Any] = Kept(64)
         self._nodes: Same[list[dict[str, Any]]] = Same()
+        self._each_node: Latest[dict[str, Any]] = Latest()
         self._remarks = Remarks()
         self._unseen = Unseen()
         self._store = store or _Store()
@@ -249,12 +250,6 @@ class Simulation(RangeSensors, Costed):
 
     def _setting(self, config: Config, index: int) -> Setting:
         moment = config.timeline.at(index)
-        first = config.timeline.frames_before(moment.scene * config.time.frames_per_scene)
-
-        @lru_cache(maxsize=1)
-        def first_of_scene() -> Setting:
-            return self._setting(self._document.at(first)[0], first)
-
         return Setting(
             config=config,
             epoch=self._epoch,
@@ -266,8 +261,21 @@ class Simulation(RangeSensors, Costed):
             hooks=self._orbits,
             drawn=self._drawn,
             nodes=self._nodes,
-            first_of_scene=None if moment.step == self.timeline.at(first).step else first_of_scene,
+            each_node=self._each_node,
+            first_of_scene=self._first_of_scene(config, moment),
         )
+
+    def _first_of_scene(self, config: Config, moment: Moment) -> Callable[[], Setting] | None:
+        """See Setting.first_of_scene."""
+        if config.time.frames_per_scene == 1:
+            return None
+        first = config.timeline.frames_before(moment.scene * config.time.frames_per_scene)
+
+        @lru_cache(maxsize=1)
+        def setting() -> Setting:
+            return self._setting(self._document.at(first)[0], first)
+
+        return None if moment.step == self.timeline.at(first).step else setting
 
     @property
     def has_orbit_hooks(self) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from operator import is_
 from typing import Generic, TypeVar
 
 T = TypeVar("T")
@@ -26,4 +27,18 @@ class Same(Generic[T]):
                 self._rows.pop(old, None)
             # The row holds the objects, so that no other one can have their identity.
             found = self._rows[key] = parts, value
+        return found[1]
+
+
+class Latest(Generic[T]):
+    """The last result of each name, by the identity of objects that never change."""
+
+    def __init__(self) -> None:
+        self._rows: dict[str, tuple[tuple[object, ...], T]] = {}
+
+    def of(self, name: str, parts: tuple[object, ...], make: Callable[[], T]) -> T:
+        """The result of a name for some objects, made when they are others than before."""
+        found = self._rows.get(name)
+        if found is None or not all(map(is_, found[0], parts)):
+            found = self._rows[name] = parts, make()
         return found[1]

@@ -34,6 +34,8 @@ _FUNCTIONS = (AfterValidator, BeforeValidator, PlainValidator, WrapValidator)
 _OF_ALL = "_known_keys"
 """The only check before a section's keys whose result drivers cannot change."""
 
+_set = object.__setattr__  # sections are frozen
+
 _Check: TypeAlias = Callable[[Any, SimpleNamespace], Any]
 
 
@@ -113,10 +115,11 @@ class _Section:
         new: dict[str, Any] = {}
         for name, row in self.fields.items():
             new[name] = row.validate(row.tree(values), context=info.context)
+        held = model.__dict__
         for name, section in self.below.items():
-            new[name] = section.applied(getattr(model, name), values, info)
+            new[name] = section.applied(held[name], values, info)
         for name, sections in self.entries.items():
-            entries = dict(getattr(model, name))
+            entries = dict(held[name])
             for entry, section in sections.items():
                 entries[entry] = section.applied(entries[entry], values, info)
             new[name] = entries
@@ -131,10 +134,11 @@ def _copied(model: BaseModel, new: Mapping[str, Any]) -> BaseModel:
     of."""
     kind = type(model)
     made = kind.__new__(kind)
-    object.__setattr__(made, "__dict__", {**model.__dict__, **new})
-    object.__setattr__(made, "__pydantic_fields_set__", model.__pydantic_fields_set__ | new.keys())
-    object.__setattr__(made, "__pydantic_extra__", None)
-    object.__setattr__(made, "__pydantic_private__", None)
+    given = model.__pydantic_fields_set__  # driven keys are among them
+    _set(made, "__dict__", {**model.__dict__, **new})
+    _set(made, "__pydantic_fields_set__", given if given >= new.keys() else given | new.keys())
+    _set(made, "__pydantic_extra__", None)
+    _set(made, "__pydantic_private__", None)
     return made
 
 

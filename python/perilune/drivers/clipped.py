@@ -4,7 +4,7 @@ clips."""
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar, Self
 
@@ -41,6 +41,11 @@ class Clipped:
     def varied(self, deviations: list[float], normals: list[float]) -> list[float]:
         """Unclipped values for standard normals. deviations: standard deviations."""
         raise NotImplementedError
+
+    def scalar_draw(self, _: float) -> Callable[[float], Any] | None:
+        """From a standard normal to the value of a single number, at a strength at which it varies:
+        what `at` gives, in one step. None where there is no such function."""
+        return None
 
     def standard_limits(self, strength: float) -> list[tuple[float, float]]:
         """Both clips of each number, in standard deviations from the middle."""

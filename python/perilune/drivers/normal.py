@@ -7,6 +7,9 @@ for all. Its numbers are drawn independently, or with one draw for all if `joint
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 from perilune.drivers.clipped import Clipped, in_deviations
 from perilune.drivers.common import Kind
 
@@ -21,6 +24,14 @@ class Normal(Clipped):
         rows = zip(self.middles, deviations, normals, strict=True)
         # -0 + 0 is not -0
         return [mean + by * normal if by != 0.0 else mean for mean, by, normal in rows]
+
+    def scalar_draw(self, strength: float) -> Callable[[float], Any] | None:
+        """See Clipped."""
+        if self.count is not None:
+            return None
+        mean, low, high = self.middles[0], self.low[0], self.high[0]
+        by = self._deviations(strength)[0]
+        return lambda normal: min(max(mean + by * normal, low), high)
 
     def standard_limits(self, strength: float) -> list[tuple[float, float]]:
         """Both clips of each number, in standard deviations from its ideal."""

@@ -26,6 +26,7 @@ from perilune.drivers.clipped import Clipped
 from perilune.drivers.common import F64, DriverError, KeyPath, Need, Source
 from perilune.drivers.hook import Hooked
 from perilune.drivers.tree import Found
+from perilune.drivers.truncated import Truncated
 
 _SYMMETRIC = 1e-12
 """Largest difference of mirrored elements of a correlation matrix that rounding explains."""
@@ -145,6 +146,8 @@ class _Row:
     """Key of the random number generator."""
     needs: dict[float, Need | None] = field(default_factory=dict)
     """Strength -> random numbers that a draw needs."""
+    scalars: dict[float, Callable[[float], Any] | None] = field(default_factory=dict)
+    """Strength -> function that makes a single number of its standard one, where there is one."""
     last: tuple[_Draw, Any] | None = None
     """The last draw. It is replaced as a whole, because threads draw for different steps."""
 
@@ -173,8 +176,21 @@ class _Row:
         width = 1 if self.group is None else self.group.width
         return need.normal or self.group is not None, need.numbers * width
 
-    def drawn(self, source: Source, strength: float) -> Any:
-        """A new value."""
+    def _scalar(self, strength: float) -> Callable[[float], Any] | None:
+        if strength not in self.scalars:
+            given, found = self.driver.distribution, None
+            if self.group is None and isinstance(given, Clipped | Truncated):
+                found = given.scalar_draw(strength) if given.needs(strength) is not None else None
+            self.scalars[strength] = found
+        return self.scalars[strength]
+
+    def drawn(self, draw: _Draw, drawn: Sequence[float]) -> Any:
+        """A new value. drawn: the standard numbers that it needs."""
+        seed, strength, epoch = draw
+        scalar = self._scalar(strength)
+        if scalar is not None:
+            return scalar(drawn[0])
+        source = Source(self.driver.name, seed, epoch * self.interval, epoch, drawn)
         if self.group is not None:
             normals = self.group.normals(source.drawn, self.driver.name)
             source = source._replace(drawn=normals, correlates=True)
@@ -301,9 +317,7 @@ class Plan:
         if not new:
             return found
         for (row, draw), drawn in zip(new, self._standards.draw(seed, new), strict=True):
-            _, strength, epoch = draw
-            source = Source(row.driver.name, seed, epoch * row.interval, epoch, drawn)
-            value = row.drawn(source, strength)
+            value = row.drawn(draw, drawn)
             row.last = draw, value
             found[row.driver.path] = value
         return found

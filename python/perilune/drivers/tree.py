@@ -173,6 +173,8 @@ def substitute(tree: Any, values: Mapping[KeyPath, Any]) -> Any:
 
 def marked(value: Any) -> Any:
     """Numbers, and those of lists, become Drawn; sections are taken as they are."""
+    if type(value) is float:
+        return Drawn(value)
     if isinstance(value, (list, tuple)):
         return [marked(item) for item in value]
     if isinstance(value, (int, float)) and not isinstance(value, bool):

@@ -7,7 +7,7 @@ each, so that it works in correlated groups."""
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from statistics import NormalDist
 from typing import Any
@@ -66,6 +66,14 @@ class Truncated:
         """See Distribution."""
         need = self.free.needs(strength)
         return need and need._replace(normal=False)
+
+    def scalar_draw(self, strength: float) -> Callable[[float], Any] | None:
+        """See Clipped; from a uniform number."""
+        placed = self.free.scalar_draw(strength)
+        if placed is None:
+            return None
+        ((low, high),) = self.free.standard_limits(strength)
+        return lambda uniform: placed(truncated_normal(low, high, uniform))
 
     def draw(self, source: Source, strength: float) -> Any:
         """See the module."""

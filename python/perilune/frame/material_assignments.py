@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perilune import _core, materials
-from perilune.base.same import Same
+from perilune.base.same import Latest, Same
 from perilune.config.errors import ConfigError, named, nearest
 from perilune.config.materials import MaterialUse
 from perilune.config.schema import Config
@@ -67,6 +67,7 @@ class MaterialAssignments:
         self._triangles: dict[tuple[Any, ...], NDArray[np.int32]] = {}
         self._last: Same[MaterialAssignment] = Same(2)
         self._parameters: Same[NDArray[np.float64]] = Same(2)
+        self._triples: Latest[materials.Triples] = Latest()
         self._ideal: MaterialAssignment | None = None
         self._ideal = self.of(document.config)
         for config in document.choices(materials.is_choice):
@@ -95,7 +96,7 @@ class MaterialAssignments:
         assignment = self.of(config)
 
         def make() -> NDArray[np.float64]:
-            found = materials.parameters(assignment.graphs, config)
+            found = materials.parameters(assignment.graphs, config, self._triples)
             found.flags.writeable = False
             return found
 

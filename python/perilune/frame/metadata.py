@@ -15,6 +15,7 @@ from perilune.camera.label import CameraLabel
 from perilune.camera.optics import picture_lens, shutter_times
 from perilune.document import Document
 from perilune.frame.request import camera_label
+from perilune.orbits.solar_system import Date
 from perilune.spacecraft.articulation import Posed
 from perilune.world import World
 
@@ -66,7 +67,7 @@ class Metadata:
         self._config = scene.config
         self._moment = scene.moment
         self._t_s = scene.t_s
-        self._date = scene.date
+        self._epoch = scene.epoch
         self._sun_m = scene.sun_position_m
         self._velocities_m_s = scene.velocities_m_s
         self._drivers = scene.drivers
@@ -77,13 +78,18 @@ class Metadata:
         self._result = result
         self._more = more
         self._undistorted = undistorted
-        if not _CALENDAR[0] <= self._date.day <= _CALENDAR[1]:
-            self._date.utc()  # raises ValueError
+        if not _CALENDAR[0] <= self._epoch.day + self._t_s / 86400.0 <= _CALENDAR[1]:
+            self._epoch.after(self._t_s).utc()  # raises ValueError
 
     @cached_property
     def camera(self) -> CameraLabel:
         """The camera in the middle of the exposure."""
         return camera_label(self._request, self._moment.sensor, not self._undistorted)
+
+    @cached_property
+    def _date(self) -> Date:
+        """Date at which the shutter opens."""
+        return self._epoch.after(self._t_s)
 
     def meta(self) -> dict[str, Any]:
         """See Sample.meta."""

@@ -46,6 +46,39 @@ class _Surfaces(NamedTuple):
 _surfaces: Same[_Surfaces] = Same(8)
 
 
+class _Lasting(NamedTuple):
+    """Parts of the request that depend on a few sections alone, which seldom change."""
+
+    quality: _core.Quality
+    exposure: _core.Exposure
+    wavelengths: F64
+    bands: F64
+    ground_labels: dict[str, Any]
+    coverage: dict[str, int]
+
+
+_lasting: Same[_Lasting] = Same(8)
+
+
+def _lasting_of(config: Config) -> _Lasting:
+    def make() -> _Lasting:
+        coverage = config.labels.coverage
+        wavelengths = np.array(bands.wavelengths_um(config.camera, config.sun))
+        parts = bands.matrix(config.camera, config.sun)
+        wavelengths.flags.writeable = parts.flags.writeable = False
+        return _Lasting(
+            _quality(config.render),
+            _exposure(config.camera.exposure),
+            wavelengths,
+            parts,
+            _ground_labels(config.labels.ground),
+            {"samples": coverage.samples, "layers": coverage.layers},
+        )
+
+    read = (config.render, config.camera.exposure, config.camera.bands, config.camera.sensor)
+    return _lasting.of((*read, config.sun, config.labels), make)
+
+
 def _surfaces_of(scene: World) -> _Surfaces:
     """Arrays that nobody may change: frames share them as long as no driver changes a body."""
 
@@ -97,7 +130,7 @@ def request_of(
     key for errors."""
     config = scene.config
     K = intrinsics(config.camera)
-    surfaces = _surfaces_of(scene)
+    surfaces, lasting = _surfaces_of(scene), _lasting_of(config)
     where = config.place(scene.sensor, "sensor")
     sensor = sensor_of(config.camera, path, config.sun.spectrum, where)
     return {
@@ -124,16 +157,13 @@ def request_of(
         "sun_position": scene.sun_position_m,
         "sun_radius": config.sun.radius_km * 1e3,
         "sun_irradiance": config.sun.irradiance_w_m2,
-        "sun_wavelengths": np.array(bands.wavelengths_um(config.camera, config.sun)),
-        "quality": _quality(config.render),
-        "exposure": _exposure(config.camera.exposure),
+        "sun_wavelengths": lasting.wavelengths,
+        "quality": lasting.quality.copy(),
+        "exposure": lasting.exposure.copy(),
         "sensor": sensor,
-        "bands": bands.matrix(config.camera, config.sun),
-        "ground_labels": _ground_labels(config.labels.ground),
-        "coverage_labels": {
-            "samples": config.labels.coverage.samples,
-            "layers": config.labels.coverage.layers,
-        },
+        "bands": lasting.bands,
+        "ground_labels": lasting.ground_labels,
+        "coverage_labels": lasting.coverage,
         "amodal": config.render.amodal,
     }
 

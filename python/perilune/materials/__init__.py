@@ -4,7 +4,7 @@ from perilune.materials.check import check, is_choice, is_drawn, users
 from perilune.materials.drivers import applied
 from perilune.materials.graph import Graph, build, values
 from perilune.materials.images import Image, ImageFiles, Images, images_in
-from perilune.materials.place import Placed, parameters, triangles
+from perilune.materials.place import Placed, Triples, parameters, triangles
 
 __all__ = [
     "Graph",
@@ -12,6 +12,7 @@ __all__ = [
     "ImageFiles",
     "Images",
     "Placed",
+    "Triples",
     "applied",
     "build",
     "check",

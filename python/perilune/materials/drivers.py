@@ -52,7 +52,7 @@ def _crawl(material: Material) -> list[Node]:
     return rows
 
 
-def _sections(config: Config, name: str, owner: str | None) -> list[DriverSection | None]:
+def drivers_of(config: Config, name: str, owner: str | None) -> list[DriverSection | None]:
     """All sections that may drive an entry of `materials`; the first takes precedence.
 
     owner: the spacecraft, body or volume that it is on."""
@@ -73,11 +73,11 @@ def sections(
     config: Config, name: str, owner: str | None
 ) -> Iterator[tuple[str, DriverSection | None]]:
     """(key path, section) of all sections that may drive an entry of `materials`."""
-    return zip(_keys(config, name, owner), _sections(config, name, owner), strict=True)
+    return zip(_keys(config, name, owner), drivers_of(config, name, owner), strict=True)
 
 
 def _keys(config: Config, name: str, owner: str | None) -> list[str]:
-    """Key path of each of `_sections`."""
+    """Key path of each of `drivers_of`."""
     shared = [f"materials.{name}.drivers", "material_drivers"]
     if owner is None:
         return shared
@@ -99,7 +99,7 @@ def driven(config: Config, name: str, owner: str | None) -> Iterator[tuple[Node,
 def given_by_drivers(config: Config, name: str, owner: str | None) -> dict[tuple[str, str], Any]:
     """(node, input) -> value, of the nodes of an entry of `materials` that drivers set."""
     # As `driven`, without key paths: every frame asks for every graph.
-    rows = [row.drivers for row in _sections(config, name, owner) if row is not None]
+    rows = [row.drivers for row in drivers_of(config, name, owner) if row is not None]
     found: dict[tuple[str, str], Any] = {}
     for node in crawl(config.materials[name]) if rows else ():
         for values in rows:

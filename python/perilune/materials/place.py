@@ -5,15 +5,18 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
+from functools import partial
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from perilune import _core
+from perilune.base.same import Latest
 from perilune.config.errors import nearest
 from perilune.config.materials import MaterialUse
 from perilune.config.schema import Config
-from perilune.materials.drivers import given_by_drivers
+from perilune.materials.drivers import drivers_of, given_by_drivers
 from perilune.materials.graph import F64, Graph, triples
 from perilune.spacecraft.parts import Partition, components, inside_box
 
@@ -32,6 +35,10 @@ class Placed:
         """Whether the same graphs are on the same triangles."""
         same = self.triangle_graph is other.triangle_graph
         return self.graphs == other.graphs and (same or not len(self.triangle_graph))
+
+
+def _triples(graph: Graph, config: Config, name: str, owner: str) -> Triples:
+    return triples(graph, config.materials[name], given_by_drivers(config, name, owner))
 
 
 def triangles(
@@ -81,11 +88,22 @@ def _matches(pattern: str, name: str) -> bool:
     return fnmatchcase(name.lower(), pattern.lower())
 
 
-def parameters(placed: Iterable[tuple[str, Placed]], config: Config) -> F64:
-    """(n, 3) for the core's request, in the order of `placed`, each with its object."""
-    rows: list[tuple[float, float, float]] = []
+Triples: TypeAlias = list[tuple[float, float, float]]
+
+
+def parameters(placed: Iterable[tuple[str, Placed]], config: Config, kept: Latest[Triples]) -> F64:
+    """(n, 3) for the core's request, in the order of `placed`, each with its object.
+
+    kept: rows of the graphs that no driver changes."""
+    rows: Triples = []
     for owner, row in placed:
-        for name, graph in zip(row.names, row.graphs, strict=True):
-            given = given_by_drivers(config, name, owner)
-            rows += triples(graph, config.materials[name], given)
+        for k, (name, graph) in enumerate(zip(row.names, row.graphs, strict=True)):
+            material = config.materials[name]
+            if graph.parameters:
+                read = (graph, material, *drivers_of(config, name, owner))
+                rows += kept.of(
+                    f"{owner}.{k}",
+                    read,
+                    partial(_triples, graph, config, name, owner),
+                )
     return np.array(rows, dtype=np.float64).reshape(-1, 3)

@@ -27,6 +27,8 @@ Node = Mapping[str, Any]
 Path = Callable[[F64], F64]
 T = TypeVar("T")
 
+_CLOSED = frozenset(("kepler", "circular", "j2"))
+"""Kinds of propagators in closed form."""
 _KINDS = frozenset(str(row["name"]) for row in _core.PROPAGATORS)
 
 
@@ -125,7 +127,11 @@ def _key(value: Any) -> Hashable:
 def propagator(spec: Mapping[str, Any], epoch: Date) -> _core.Propagator:
     """The propagator of a specification; the same object for equal numbers."""
     key = (_key(spec), epoch)
-    return _propagators.get(key, lambda: _core.Propagator(spec, epoch.day, epoch.fraction))
+    return _propagators.get(key, lambda: _propagator(spec, epoch))
+
+
+def _propagator(spec: Mapping[str, Any], epoch: Date) -> _core.Propagator:
+    return _core.Propagator(spec, epoch.day, epoch.fraction)
 
 
 @dataclass
@@ -141,7 +147,9 @@ def _prepared(node: Node, epoch: Date, given: _Given) -> Node:
     name, motion, rotation = str(node["name"]), node["motion"], node["rotation"]
     if isinstance(motion, Mapping) and motion["kind"] in _KINDS:
         try:
-            motion = propagator(motion, epoch)
+            # What needs no preparation is made sooner than it is looked up.
+            known = _propagator if motion["kind"] in _CLOSED else propagator
+            motion = known(motion, epoch)
         except ValueError as error:
             raise ValueError(f"{name}: {error}") from None
     elif callable(motion):

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from perilune import _core
 from perilune.base.hooks import Hook
-from perilune.base.same import Same
+from perilune.base.same import Latest, Same
 from perilune.config.body import Body
 from perilune.config.schema import Config
 from perilune.orbits.ground import Ground, smooth
@@ -49,6 +49,8 @@ class Setting:
     """(Scene, name) -> path, for orbits drawn once a scene."""
     nodes: Same[list[dict[str, Any]]] = field(default_factory=Same, compare=False)
     """The tree's nodes, while no driver changes what they are made from."""
+    each_node: Latest[dict[str, Any]] = field(default_factory=Latest, compare=False)
+    """The same for single nodes, by name."""
 
     @property
     def start(self) -> Setting:
@@ -87,7 +89,8 @@ class Parent:
     @property
     def mean_radius_m(self) -> float:
         """Mean equatorial radius, the reference of altitudes."""
-        return float(np.mean(self.radii_m[:2]))
+        x, y, _ = self.radii_m.tolist()
+        return float(0.5 * (x + y))
 
     @property
     def gm_m3_s2(self) -> float:

@@ -153,30 +153,41 @@ def _surroundings(setting: Setting, known: list[str]) -> hooked.Surroundings:
 
 def _nodes(setting: Setting, names: list[str]) -> list[Node]:
     """The tree's nodes for some objects, followed by the Sun's if one of them points at it."""
-    config, things = setting.config, sections(setting.config)
     index = {name: k for k, name in enumerate(names)}
     index[SUN] = len(names)
-    nodes: list[Node] = []
-    for name in names:
-        section, entry = things[name]
-        try:
-            motion = _path(setting, name, entry, section)
-            if isinstance(entry, Body):
-                turn = body_turn(entry, setting)
-            else:
-                # A target that is not known yet cannot be pointed at yet.
-                target = getattr(entry.attitude, "target", name)
-                turn = {"frame": "inertial"}
-                stands = _stands(entry)
-                if isinstance(motion, Ride) and stands is not None:
-                    turn = riding_turn(stands, motion.axes, setting)
-                elif target in index:
-                    turn = craft_turn(name, entry.attitude, setting, index)
-        except (ValueError, OSError) as error:
-            raise _named(error, f"{section}.{name}") from None
-        around = entry.orbit.around if entry.orbit is not None else config.root
-        parent = -1 if name == config.root else index[around]
-        nodes.append({"name": name, "parent": parent, "motion": motion, "rotation": turn})
+    return _with_sun(setting, [_node(setting, name, index) for name in names], index)
+
+
+def _node(setting: Setting, name: str, index: Mapping[str, int]) -> Node:
+    """index: name -> node."""
+    config = setting.config
+    section, entry = sections(config)[name]
+    try:
+        motion = _path(setting, name, entry, section)
+        if isinstance(entry, Body):
+            turn = body_turn(entry, setting)
+        else:
+            # A target that is not known yet cannot be pointed at yet.
+            target = getattr(entry.attitude, "target", name)
+            turn = {"frame": "inertial"}
+            stands = _stands(entry)
+            if isinstance(motion, Ride) and stands is not None:
+                turn = riding_turn(stands, motion.axes, setting)
+            elif target in index:
+                turn = craft_turn(name, entry.attitude, setting, index)
+    except (ValueError, OSError) as error:
+        raise _named(error, f"{section}.{name}") from None
+    parent = -1 if name == config.root else index[_around(config, entry)]
+    return {"name": name, "parent": parent, "motion": motion, "rotation": turn}
+
+
+def _around(config: Config, entry: Body | Spacecraft) -> str:
+    """Central body of an object; the root without an orbit."""
+    return config.root if entry.orbit is None else entry.orbit.around
+
+
+def _with_sun(setting: Setting, nodes: list[Node], index: Mapping[str, int]) -> list[Node]:
+    config = setting.config
     if any(node["rotation"].get("frame") == "sun" for node in nodes):
         sun = {"motion": _sun(setting), "rotation": {"frame": "inertial"}}
         nodes.append({"name": SUN, "parent": index[config.root], **sun})
@@ -208,7 +219,22 @@ def _lasting(setting: Setting, names: list[str]) -> list[Node]:
     if setting.hooks or files or not orbits:
         return _nodes(setting, names)
     read = (config.bodies, config.spacecraft, config.time, config.sun, config.root)
-    return setting.nodes.of((*read, setting.epoch), lambda: _nodes(setting, names))
+
+    def make() -> list[Node]:
+        index = {name: k for k, name in enumerate((*names, SUN))}
+        return _with_sun(setting, [_lasting_node(setting, name, index) for name in names], index)
+
+    return setting.nodes.of((*read, setting.epoch), make)
+
+
+def _lasting_node(setting: Setting, name: str, index: Mapping[str, int]) -> Node:
+    """A node, kept while its entry and that of its central body stay the same."""
+    config = setting.config
+    entries = sections(config)
+    _, entry = entries[name]
+    _, around = entries[_around(config, entry)]
+    read = (entry, around, entries[config.root][1], config.time, setting.epoch)
+    return setting.each_node.of(name, read, lambda: _node(setting, name, index))
 
 
 def _named(error: Exception, key: str) -> Exception:
