@@ -33,7 +33,7 @@ enum { LEAST_PART = 16, OUTLINE_PART = 2 };
 /* Typical number of pixels over which the irradiance filter averages. The value is lower than the
  * actual number because the remaining noise is correlated between neighbours, which makes it easier
  * to see. */
-static const float POOL = 8.0f;
+static const float FILTERED_PIXELS = 8.0f;
 
 /* Side of a tile padded with a border of zeros, so that neighbourhood sums need no bounds checks.
  */
@@ -87,11 +87,11 @@ static float shared_variance(const pl_patch *patch, float n, float unseen) {
     return 0.0f;
   const float lit = (float)patch->lit, mean = pl_luminance(patch->shared) / lit;
   const float carried = unseen * pl_luminance(patch->lit_weight) / lit;
-  float variance = carried * carried / (POOL * lit);
+  float variance = carried * carried / (FILTERED_PIXELS * lit);
   if (patch->lit > 1)
     variance += pl_maxf(patch->lit_square / lit - mean * mean, 0.0f);
   const float part = (float)patch->wide / n;
-  return part * part * variance / (POOL * pl_maxf(lit - 1.0f, 1.0f));
+  return part * part * variance / (FILTERED_PIXELS * pl_maxf(lit - 1.0f, 1.0f));
 }
 
 /* Filtered irradiance enters each sample with its mean; its noise is added afterwards. */

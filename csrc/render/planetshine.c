@@ -40,7 +40,7 @@ static const double PARALLAX_MAX = 0.003;
 static const double LIKE = 0.05;
 enum { ESTIMATES = 64 };
 /* Minimum colour assumed for a body with clouds or air. */
-static const float VEILED = 0.3f;
+static const float BEHIND_MEDIUM = 0.3f;
 
 static float mean_color(const pl_shot_body *body) {
   const pl_body_state *state = body->state;
@@ -51,10 +51,10 @@ static float mean_color(const pl_shot_body *body) {
     pl_body_albedo_mean(body, map);
   const pl_vec3f color = {map[0] * state->albedo[0], map[1] * state->albedo[1],
                           map[2] * state->albedo[2]};
-  const bool veiled = body->body->air != NULL || state->clouds.altitude_m > 0.0;
+  const bool behind_medium = body->body->air != NULL || state->clouds.altitude_m > 0.0;
   const float own = pl_minf(pl_luminance(color), 1.0f);
   return pl_maxf(own * (body->body->reflectance->photometric ? SOIL : 1.0f),
-                 veiled ? VEILED : 0.0f);
+                 behind_medium ? BEHIND_MEDIUM : 0.0f);
 }
 
 /* The brightest bodies in one sky, in descending order; `other`: the light of the rest. */

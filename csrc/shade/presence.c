@@ -28,7 +28,7 @@ typedef struct search {
 } search;
 
 /* Classifies a range of alpha; FOUND_BOTH if undecided. */
-static unsigned settle(const search *s, float low, float high) {
+static unsigned classify(const search *s, float low, float high) {
   if (low >= s->cutoff)
     return FOUND_SURFACE;
   return high < s->cutoff ? FOUND_NONE : FOUND_BOTH;
@@ -58,8 +58,8 @@ static unsigned find(const search *s, const piece *p, int depth) {
   if (texels <= BOX_TEXELS) {
     if (s->texture != NULL)
       pl_texture_alpha_range(s->texture, low, high, range);
-    found = settle(s, range[0] * pl_minf(pl_minf(a[0], a[1]), a[2]),
-                   range[1] * pl_maxf(pl_maxf(a[0], a[1]), a[2]));
+    found = classify(s, range[0] * pl_minf(pl_minf(a[0], a[1]), a[2]),
+                     range[1] * pl_maxf(pl_maxf(a[0], a[1]), a[2]));
   }
   /* Within a texel alpha is nearly linear; vertex colours alone are linear everywhere. */
   if (found != FOUND_BOTH || depth == DEPTH_MAX || texels <= 1.0f)

@@ -158,7 +158,8 @@ static void test_hidden_mirror(void **state) {
   }
 }
 
-/* Edges of the light stay sharp where pixels pool what they find: at a tolerance errors fall on. */
+/* Edges of the light stay sharp where pixels share what they find: at a tolerance errors fall on.
+ */
 static void test_edges(void **state) {
   (void)state;
   world w;

@@ -46,12 +46,12 @@ static void test_instants_do_not_change_each_other(void **state) {
   stage_add_body(&s.stage, (pl_vec3){0, 0, 40}, (pl_vec3){6, 6, 5}, 0.5f);
   const pl_frame_request request = {.samples = SAMPLES, .placement = s.stage.placement};
   pl_survey planned = studio_survey(&s, &request);
-  pl_choice culled = studio_choice(&s, &request, &planned, SAMPLES), quick = culled;
-  quick.culls = false;
+  pl_choice culled = studio_choice(&s, &request, &planned, SAMPLES), plain = culled;
+  plain.culls = false;
   culled.tolerance_dn = 1.0;
   culled.subpixel = true;
   for (int k = 0; k < 2; k++) {
-    const pl_choice *choice = k == 0 ? &quick : &culled;
+    const pl_choice *choice = k == 0 ? &plain : &culled;
     pl_arena_reset(&s.arena);
     place(&s.stage, -1.0);
     const pl_survey first = studio_survey(&s, &request), before = first;

@@ -180,12 +180,12 @@ static void test_lit_by_another(void **state) {
   (void)state;
   enum { FRAMES = PL_DRAWS(24, 6) };
   const double white = 150.0;
-  const pl_plan_wish settled = {.tolerance_dn = 0.5};
+  const pl_plan_wish analytic = {.tolerance_dn = 0.5};
   const pl_plan_wish even = {.tolerance_dn = 0.5, .force_on = one_effect("antialiasing")};
   float *truth = shoot(arrange_lit, 1, white, even, PL_DRAWS(1024, 256), 0);
   double sum = 0.0, true_sum = 0.0, square = 0.0;
   for (uint64_t frame = 0; frame < FRAMES; frame++) {
-    float *found = shoot(arrange_lit, 1, white, settled, 4, frame);
+    float *found = shoot(arrange_lit, 1, white, analytic, 4, frame);
     for (size_t i = 0; i < COUNT; i++) {
       const double d = dn((double)found[i] - truth[i], white);
       assert_true(truth[i] > 0.0f || dn(found[i], white) < 3.0);
@@ -207,13 +207,13 @@ static void test_lit_by_rings(void **state) {
   const double white = 10.0, edges[2] = {10.0, 145.0}, depth = 0.5, albedo[3] = {1.0, 1.0, 1.0};
   const pl_rings_settings settings = {
       .count = 1, .edges_m = edges, .depth = &depth, .albedo = albedo};
-  const pl_plan_wish settled = {.tolerance_dn = 0.5};
+  const pl_plan_wish analytic = {.tolerance_dn = 0.5};
   const pl_plan_wish even = {.tolerance_dn = 0.5, .force_on = one_effect("antialiasing")};
   assert_int_equal(pl_rings_create(&settings, &rings), PL_OK);
   float *truth = shoot(arrange_rings, 1, white, even, 64, 0);
   double sums[2] = {0.0, 0.0};
   for (uint64_t frame = 0; frame < FRAMES; frame++) { /* one path a pixel is noisy */
-    float *found = shoot(arrange_rings, 1, white, settled, 64, frame);
+    float *found = shoot(arrange_rings, 1, white, analytic, 64, frame);
     for (int y = HEIGHT / 2 - 6; y < HEIGHT / 2 + 6; y++)
       for (int x = WIDTH / 2 - 6; x < WIDTH / 2 + 6; x++) {
         sums[0] += truth[3 * (y * WIDTH + x)] / (144.0 * FRAMES);
@@ -232,8 +232,8 @@ static void test_lit_by_rings(void **state) {
 static void test_no_black_over_white(void **state) {
   (void)state;
   const double white = 20.0;
-  const pl_plan_wish settled = {.tolerance_dn = 0.5};
-  float *found = shoot(arrange_lit, 1, white, settled, 16, 0);
+  const pl_plan_wish analytic = {.tolerance_dn = 0.5};
+  float *found = shoot(arrange_lit, 1, white, analytic, 16, 0);
   for (int y = HEIGHT / 4; y < HEIGHT * 3 / 4; y++)
     for (int x = WIDTH / 4; x < WIDTH / 2; x++)
       assert_true(found[3 * (y * WIDTH + x)] > 0.5 * white);

@@ -69,7 +69,7 @@ static unsigned sampled(const pl_model *model) {
 static void certain_answers_hold_at_every_point(void **state) {
   (void)state;
   test_random random = {.seed = 5};
-  int count[3] = {0}, settled = 0;
+  int count[3] = {0}, decided = 0;
   for (int trial = 0; trial < TRIALS; trial++) {
     pl_model *model = random_triangle(&random, trial % 4 != 0, trial % 3 == 0);
     uint8_t presence;
@@ -79,13 +79,13 @@ static void certain_answers_hold_at_every_point(void **state) {
       assert_int_equal(found, 1);
     if (presence == PL_PRESENCE_WHOLE)
       assert_int_equal(found, 2);
-    settled += found == 3 || presence != PL_PRESENCE_PART;
+    decided += found == 3 || presence != PL_PRESENCE_PART;
     count[presence]++;
     pl_model_destroy(model);
   }
   for (int k = 0; k < 3; k++)
     assert_true(count[k] > TRIALS / 20);
-  assert_true(settled > TRIALS * 9 / 10); /* it does not say "a part" of all */
+  assert_true(decided > TRIALS * 9 / 10); /* it does not say "a part" of all */
 }
 
 static void opaque_materials_and_no_alpha_are_whole(void **state) {

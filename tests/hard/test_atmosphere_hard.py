@@ -240,11 +240,11 @@ def test_tiles_have_no_seams() -> None:
         [[EARTH_M] * 3], [EARTH_M + 4e5, 0, 0], limb(EARTH_M, 4e5, 2e4), [0.3, 0.2, 1.0],
         up=(1, 0, 0), size=(96, 80),
     )  # fmt: skip
-    quick = air_worlds.render(scene, asked)["rgb"].astype(int)
+    fast = air_worlds.render(scene, asked)["rgb"].astype(int)
     asked["quality"]["tolerance_dn"] = 0.0
     asked["quality"]["samples"] = 64
     full = air_worlds.render(scene, asked)["rgb"].astype(int)
-    off = np.abs(quick - full)
+    off = np.abs(fast - full)
     # One is rounding; the horizon's pixels have noise.
     assert np.mean(off > 2) < 0.01
     assert off.mean() < 0.3
@@ -275,12 +275,12 @@ def test_edge_of_the_air_in_a_long_exposure() -> None:
         [[r] * 3], (r + 8e5) * up, toward, sun, up=up, size=(120, 60), fov_deg=30.0, white=1.2e-3
     )
     world = air_worlds.scene([air_of(r)])
-    quick = air_worlds.render(world, asked)
+    fast = air_worlds.render(world, asked)
     asked["quality"]["tolerance_dn"] = 0.0
     whole = air_worlds.render(world, asked)
-    assert quick["radiance"].min() >= 0.0
+    assert fast["radiance"].min() >= 0.0
     assert (whole["rgb"] == 255).sum() > 1000
-    off = np.abs(quick["rgb"].astype(int) - whole["rgb"]).max(axis=-1) > 12
+    off = np.abs(fast["rgb"].astype(int) - whole["rgb"]).max(axis=-1) > 12
     # In the row of pixels that the edge crosses few samples may miss what many find.
     assert off.sum() < 2 * asked["width"]
     assert (off[1:-1] & off[:-2] & off[2:]).sum() == 0

@@ -1,4 +1,4 @@
-"""Clouds where it is hard: grazing rays, cameras in the shell, sizes, dots, stars, motion, maps."""
+"""Clouds where it is hard: grazing rays, cameras in the shell, small bodies, stars, motion, maps."""
 
 from __future__ import annotations
 
@@ -137,8 +137,8 @@ def test_sun_through_clouds_is_dimmed_by_their_depth() -> None:
     asked = ask([EARTH_M + 10.0, 0, 0], [1, 0, 0], [1, 0, 0], size=(3, 3), fov_deg=1e-4,
                 samples=1, force_off=["soft_sun", "limb_darkening"])  # fmt: skip
     bare = cloud_worlds.render(None, asked)["radiance"][1, 1, 0]
-    veiled = cloud_worlds.render(Clouds(optical_depth=depth), asked)["radiance"][1, 1, 0]
-    assert veiled / bare == pytest.approx(math.exp(-depth), rel=1e-3)
+    through = cloud_worlds.render(Clouds(optical_depth=depth), asked)["radiance"][1, 1, 0]
+    assert through / bare == pytest.approx(math.exp(-depth), rel=1e-3)
 
 
 def test_clouds_in_a_moving_frame() -> None:

@@ -60,17 +60,17 @@ def shot(sensor: dict[str, Any] | None = None, **changes: Any) -> perilune.Sampl
     return perilune.open(SCENE, overrides=keys).frame(0, ["raw", "sensor_rgb", "depth"], threads=1)
 
 
-def dots(**changes: Any) -> dict[str, Any]:
+def keys_of(**changes: Any) -> dict[str, Any]:
     return {name.replace("__", "."): value for name, value in changes.items()}
 
 
 def test_no_time() -> None:
     """Noise of reading about the black level; without noise, it alone."""
-    noisy = shot(**dots(camera__exposure_time_s=0.0))["raw"]
+    noisy = shot(**keys_of(camera__exposure_time_s=0.0))["raw"]
     # read noise of 8 electrons and columns of 3 are 1.7 DN: six of them
     assert 0.5 < noisy.std() < 3.0
     assert np.abs(noisy.astype(int) - 64).max() < 11
-    still = shot(QUIET, **dots(camera__exposure_time_s=0.0))
+    still = shot(QUIET, **keys_of(camera__exposure_time_s=0.0))
     assert (still["raw"] == 64).all()
     assert (still["sensor_rgb"] == 0).all()
 
@@ -78,14 +78,14 @@ def test_no_time() -> None:
 def test_too_much_time() -> None:
     """In 1e6 s even dark pixels are full, and none more than that; dead ones bloom full as well."""
     sample = shot({"dead_pixels": 0.0, "read_noise_e": 0.0, "column_noise_e": 0.0},
-                  **dots(camera__exposure_time_s=1e6))  # fmt: skip
+                  **keys_of(camera__exposure_time_s=1e6))  # fmt: skip
     assert (sample["raw"] == FULL_DN).all()
     assert (sample["sensor_rgb"] == 255).all()
 
 
 def test_no_photons() -> None:
     """The night side, and a sun that does not shine; an automatic time is within its limits."""
-    for dark in (dots(sun__direction=[-1.0, 0.0, 0.0]), dots(sun__irradiance_w_m2=0.0)):
+    for dark in (keys_of(sun__direction=[-1.0, 0.0, 0.0]), keys_of(sun__irradiance_w_m2=0.0)):
         assert (shot(QUIET, **dark)["raw"] == 64).all()
         sample = shot(QUIET | {"exposure": {"mode": "auto", "max_ms": 7.0}}, **dark)
         assert 1e-5 <= sample.meta["exposure_s"] <= 7e-3
@@ -95,7 +95,7 @@ def test_no_photons() -> None:
 def test_the_sun_in_the_frame() -> None:
     """1e12 electrons and more in a pixel: full columns, and every number a number."""
     for time_s in (1e-6, 1e-3, 1e3):
-        sun = dots(sun__direction=[-1.0, 0.0, 0.015], camera__exposure_time_s=time_s,
+        sun = keys_of(sun__direction=[-1.0, 0.0, 0.015], camera__exposure_time_s=time_s,
                    camera__trajectory__position_m=[5e6, 0.0, 0.0], camera__fov_deg=4.0)  # fmt: skip
         sample = shot({"read_noise_e": 0.0, "column_noise_e": 0.0}, **sun)
         assert sample["raw"].max() == FULL_DN
@@ -106,10 +106,10 @@ def test_the_sun_in_the_frame() -> None:
 @pytest.mark.parametrize("mosaic", ["mono", "rggb", "bggr", "grbg", "gbrg"])
 def test_black_and_white_frames(mosaic: str) -> None:
     """Of one value all over, borders too, whatever the filters."""
-    white = shot({**QUIET, "mosaic": mosaic}, **CLOSE, **dots(camera__exposure_time_s=10.0))
+    white = shot({**QUIET, "mosaic": mosaic}, **CLOSE, **keys_of(camera__exposure_time_s=10.0))
     assert (white["raw"] == FULL_DN).all()
     assert (white["sensor_rgb"] == 255).all()
-    black = shot({**QUIET, "mosaic": mosaic}, **CLOSE, **dots(sun__direction=[-1.0, 0.0, 0.0]))
+    black = shot({**QUIET, "mosaic": mosaic}, **CLOSE, **keys_of(sun__direction=[-1.0, 0.0, 0.0]))
     assert (black["raw"] == 64).all()
     assert (black["sensor_rgb"] == 0).all()
 
@@ -126,7 +126,7 @@ def test_black_and_white_frames(mosaic: str) -> None:
 )
 def test_kernels_beyond_the_image(spread: dict[str, Any]) -> None:
     """What leaves the image is lost, nothing is made: at most as much light as without."""
-    noiseless = dots(render__force_off=["shot_noise"])
+    noiseless = keys_of(render__force_off=["shot_noise"])
     plain = shot(QUIET | {"point_spread": {"core": "point"}}, **noiseless)["raw"].astype(int) - 64
     wide = shot(QUIET | {"point_spread": spread}, **noiseless)["raw"].astype(int) - 64
     assert plain.max() > 100

@@ -45,7 +45,7 @@ def glint(normal: Any, view: Any, sun: Any, wind_m_s: float) -> Any:
 @pytest.mark.parametrize("wind_m_s", [1.0, 7.0, 14.0])
 @pytest.mark.parametrize("tolerance_dn", [0.0, 1.0])
 def test_glint_is_that_of_cox_and_munk(wind_m_s: float, tolerance_dn: float) -> None:
-    """Black water, from 400 km: sampled in full, and settled by one value a pixel."""
+    """Black water, from 400 km: sampled in full, and shaded by one value a pixel."""
     # The sun is mirrored beside the point that the view's middle meets.
     camera, toward_ground = np.array([RADIUS + 4e5, 0.0, 0.0]), np.array([-1.0, 0.5, 0.2])
     view = toward_ground / np.linalg.norm(toward_ground)
@@ -122,7 +122,7 @@ def test_a_slope_turns_light_as_a_plane_does(
 
 
 @pytest.mark.parametrize("sun", [(0.8, 0.5, 0.3), (0.35, 0.9, 0.3)])
-def test_settled_ground_is_as_sampled_ground(sun: tuple[float, float, float]) -> None:
+def test_analytic_ground_is_as_sampled_ground(sun: tuple[float, float, float]) -> None:
     """A globe with relief and sea by day: one value a pixel, and 256 samples, which a lens that is
     in focus everywhere asks for."""
     ground: _core.Ground = {
@@ -136,14 +136,14 @@ def test_settled_ground_is_as_sampled_ground(sun: tuple[float, float, float]) ->
         albedo=0.8, tolerance_dn=1e-3, samples=256, force_off=("soft_sun",),
     )  # fmt: skip
     asked["body_ground"] = numbers(height_m=2e4, water=0.02)
-    settled = air_worlds.render(world, asked)["rgb"].astype(float)
+    analytic = air_worlds.render(world, asked)["rgb"].astype(float)
     asked["focus"] = (1e-7, math.inf)
     asked["quality"]["force_on"] = ["depth_of_field"]
     sampled = air_worlds.render(world, asked)["rgb"].astype(float)
     assert sampled.std() > 7.0
-    assert 0.0 < np.mean(np.abs(settled - sampled)) < 1.0
+    assert 0.0 < np.mean(np.abs(analytic - sampled)) < 1.0
     # At coasts land and water of a texel are told apart by the mask's mean.
-    assert abs(np.mean(settled - sampled)) < 0.3
+    assert abs(np.mean(analytic - sampled)) < 0.3
 
 
 @pytest.mark.parametrize("elevation_deg", [20.0, 1.0, -1.0, -3.0, -5.0, -6.5, -40.0])

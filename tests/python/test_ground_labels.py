@@ -232,10 +232,10 @@ def test_a_rock_is_a_hazard_within_half_a_footprint_of_it() -> None:
         found = field.list(sim.terrain(0), axes()[2], 20.0, 0.5)
         high = found[found["height_m"] > limit_m]
         apart = MOON_M * np.linalg.norm(high["direction"][:, None] - high["direction"], axis=2)
-        lonely = high[(apart + 99.0 * np.eye(len(high)) > 9.0).all(axis=1)]
-        assert len(lonely) >= 1
+        isolated = high[(apart + 99.0 * np.eye(len(high)) > 9.0).all(axis=1)]
+        assert len(isolated) >= 1
         pixel_m2 = (60.0 * 2.0 * np.tan(np.radians(25.0)) / 96) ** 2
-        for rock in lonely:
+        for rock in isolated:
             away_m = np.linalg.norm(places - rock["center"], axis=1)
             area_m2 = (sample["hazard"].ravel()[away_m < 4.5] == 4).sum() * pixel_m2
             assert area_m2 == pytest.approx(np.pi / 4 * (4.0 + rock["diameter_m"]) ** 2, rel=0.15)

@@ -1,4 +1,4 @@
-"""Maps on bodies whose pixels are settled by one value each, at grazing views and where the map is
+"""Maps on bodies whose pixels are shaded by one value each, at grazing views and where the map is
 sharp at the scale of pixels: against as many samples as a lens that is in focus everywhere takes.
 """
 
@@ -78,20 +78,20 @@ def cosines() -> F64:
 
 
 def compare(folder: Path, texels: U8) -> tuple[F64, F64]:
-    """Settled and sampled values at cosines of 0.15 to 0.6."""
+    """Analytic and sampled values at cosines of 0.15 to 0.6."""
     Image.fromarray(texels).save(folder / "map.png")
-    settled = shoot(folder)
+    analytic = shoot(folder)
     view = cosines()
     grazing = (view > 0.17) & (view < 0.6)
     assert grazing.sum() > 500
     again = shoot(folder, render={"samples": 6})
     # The footprint is up to 0.03 of the radius long. What is sampled differs with the number.
-    assert (settled == again)[grazing].mean() > 0.8
+    assert (analytic == again)[grazing].mean() > 0.8
     lens = {"focus_distance_m": "infinity", "aperture_mm": 1e-7}
     many = {"samples": 1024, "force_on": ["depth_of_field"]}
     sampled = shoot(folder, camera={"lens": lens}, render=many)
-    inside = grazing & (settled == again)
-    return settled[inside], sampled[inside]
+    inside = grazing & (analytic == again)
+    return analytic[inside], sampled[inside]
 
 
 def checker(width: int, cell: int) -> U8:
@@ -99,11 +99,11 @@ def checker(width: int, cell: int) -> U8:
     return ((x // cell + y // cell) % 2 * 255).astype(np.uint8)
 
 
-def check(settled: F64, sampled: F64, most_rms: float) -> None:
+def check(analytic: F64, sampled: F64, most_rms: float) -> None:
     """Near each other, no brighter in the mean, and with as much contrast."""
-    off = settled - sampled
+    off = analytic - sampled
     rms = float(np.sqrt(np.mean(off**2)))
-    contrast = settled.std() / sampled.std()
+    contrast = analytic.std() / sampled.std()
     print(f"RMS {rms:.4f}, largest {abs(off).max():.3f}, contrast {contrast:.3f}")
     assert sampled.std() > 0.03
     assert rms < most_rms
