@@ -101,7 +101,7 @@ pl_status pl_air_create(const pl_air_settings *settings, double radius_m, pl_air
   if (settings->multiple)
     pl_air_build_multiple(air);
   pl_air_build_sky(air);
-  pl_air_build_reach(air);
+  pl_air_build_light_bounds(air);
   *out = air;
   return PL_OK;
 }

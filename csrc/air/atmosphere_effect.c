@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-#include "air/reach.h"
+#include "air/light_bounds.h"
 
 static const char *absent(const pl_view *view) {
   bool any = false;
@@ -28,24 +28,24 @@ static const double SLOPE = 255.0 * 1.055 / 2.4, KNEE = 0.003;
 
 static double residual_dn(const pl_view *view, const pl_view_entity *body, int steps,
                           double share) {
-  const pl_air_reach reach = pl_air_reach_of(body->air);
+  const pl_air_light_bounds bounds = pl_air_light_bounds_of(body->air);
   const double bright = share * body->irradiance / view->white_radiance;
   const double long_exposure = pow(fmax(1.0, bright * PL_AIR_DARK / KNEE), PL_AIR_POWER);
-  const double error = pl_air_step_error(&reach, steps) * long_exposure;
+  const double error = pl_air_step_error(&bounds, steps) * long_exposure;
   return fmin(SLOPE * pow(bright, 1.0 - PL_AIR_POWER) * error,
-              pl_view_dn(view, share * body->irradiance * (reach.scattered + reach.several)));
+              pl_view_dn(view, share * body->irradiance * (bounds.scattered + bounds.several)));
 }
 
 /* Upper bound if the atmosphere is left out altogether: scattered light is missing, and so is the
  * attenuation on the way from the sun and to the camera. The sun's disc itself may be attenuated.
  */
 static double missing_dn(const pl_view *view, const pl_view_entity *body, double share) {
-  const pl_air_reach reach = pl_air_reach_of(body->air);
-  const double dimmed = -expm1(-2.0 * reach.depth);
+  const pl_air_light_bounds bounds = pl_air_light_bounds_of(body->air);
+  const double dimmed = -expm1(-2.0 * bounds.depth);
   if (view->sun_in_frame && body->air_in_frame)
     return pl_view_dn(view, INFINITY) * (dimmed > 0.0);
-  const double added =
-      share * body->irradiance * (reach.scattered + reach.several + reach.sky / 3.14159265358979);
+  const double added = share * body->irradiance *
+                       (bounds.scattered + bounds.several + bounds.sky / 3.14159265358979);
   const double gone = pl_view_dn_dimming(dimmed);
   const double sky = pl_view_sky_dn(view, pl_view_sky_max(view)); /* stars are attenuated too */
   return fmin(

@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-#include "air/reach.h"
+#include "air/light_bounds.h"
 
 static const char *absent(const pl_view *view) {
   for (size_t i = 0; i < view->entity_count; i++)
@@ -25,9 +25,9 @@ static double bound_dn(const pl_view *view, int value) {
     const double share = pl_air_share(view, body);
     if (share == 0.0)
       continue;
-    const pl_air_reach reach = pl_air_reach_of(body->air);
-    const double ground = body->albedo_max * reach.sky / 3.14159265358979;
-    const double off = reach.again + ground, added = value == 0 ? reach.several + ground : 0.0;
+    const pl_air_light_bounds bounds = pl_air_light_bounds_of(body->air);
+    const double ground = body->albedo_max * bounds.sky / 3.14159265358979;
+    const double off = bounds.again + ground, added = value == 0 ? bounds.several + ground : 0.0;
     radiance += share * body->irradiance * (off + added);
   }
   return pl_view_dn(view, radiance);

@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-#include "air/reach.h"
+#include "air/light_bounds.h"
 
 static const char *absent(const pl_view *view) { return pl_effect_atmosphere.absent(view); }
 
@@ -13,8 +13,8 @@ static double bound_dn(const pl_view *view, int value) {
     const pl_view_entity *body = &view->entities[i];
     const double share = pl_air_share(view, body);
     if (share > 0.0)
-      radiance += share * body->albedo_max * body->irradiance * pl_air_reach_of(body->air).sky /
-                  3.14159265358979;
+      radiance += share * body->albedo_max * body->irradiance *
+                  pl_air_light_bounds_of(body->air).sky / 3.14159265358979;
   }
   return pl_view_dn(view, radiance);
 }

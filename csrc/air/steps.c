@@ -2,7 +2,7 @@
  * atmosphere when it is built, on rays of many kinds. */
 #include <math.h>
 
-#include "air/reach.h"
+#include "air/light_bounds.h"
 #include "air/table.h"
 
 static const int rules[PL_AIR_RULES] = {1, 2, 3, 4, 5, 6, 8, 10, 12, 14, 16, 24, 32};
@@ -74,9 +74,9 @@ void pl_air_measure_steps(const pl_air *air, double depth, double off[PL_AIR_RUL
     off[k] = fmax(MARGIN[depth > OPAQUE] * off[k], k + 1 < PL_AIR_RULES ? off[k + 1] : 0.0);
 }
 
-double pl_air_step_error(const pl_air_reach *reach, int steps) {
+double pl_air_step_error(const pl_air_light_bounds *bounds, int steps) {
   int i = 0;
   while (i + 1 < PL_AIR_RULES && rules[i + 1] <= steps)
     i++;
-  return reach->steps_off[i];
+  return bounds->steps_off[i];
 }

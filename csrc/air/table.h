@@ -3,7 +3,7 @@
 #define PL_AIR_TABLE_H
 
 #include "air/air.h"
-#include "air/reach.h"
+#include "air/light_bounds.h"
 
 /* Numbers of nodes in height and in the cosine of the zenith angle. */
 enum { PL_AIR_HEIGHTS = 97, PL_AIR_COSINES = 48 };
@@ -54,7 +54,7 @@ struct pl_air {
   /* Mean radiance over the sphere of light that was scattered, or reflected by the ground, at least
    * once; by height and sine of solar elevation. */
   pl_vec3f several[PL_AIR_MULTIPLE_HEIGHTS][PL_AIR_MULTIPLE_SINES];
-  pl_air_reach reach;
+  pl_air_light_bounds bounds;
 };
 
 /* A point in the air: its height, its distance from the centre over the radius, and for each
@@ -93,8 +93,8 @@ pl_air_light pl_air_scatter_by(const pl_air *air, const pl_air_ray *ray, const p
 void pl_air_set_twilight(pl_air *air);
 void pl_air_build_multiple(pl_air *air);
 void pl_air_build_sky(pl_air *air);
-/* Fills air->reach; all else must be filled before. */
-void pl_air_build_reach(pl_air *air);
+/* Fills air->bounds; all else must be filled before. */
+void pl_air_build_light_bounds(pl_air *air);
 /* Errors for a given number of steps along a ray: see pl_air_step_error. depth: of the longest
  * path. */
 void pl_air_measure_steps(const pl_air *air, double depth, double off[PL_AIR_RULES]);

@@ -62,11 +62,11 @@ static void set_reach(pl_rings *rings) {
     if (rings->depth[i] > 0.0)
       for (size_t k = 0; k < 3; k++)
         albedo = fmax(albedo, rings->albedo[3 * i + k]);
-    rings->reach.depth = fmax(rings->reach.depth, rings->depth[i]);
+    rings->bounds.depth = fmax(rings->bounds.depth, rings->depth[i]);
   }
   const double particles = rings->norm * pow(PL_PI, rings->exponent);
   const double peak = dust(rings->dust_g < 0.0 ? -1.0 : 1.0, rings->dust_g);
-  rings->reach.scattered =
+  rings->bounds.scattered =
       albedo * ((1.0 - rings->dust_share) * particles + rings->dust_share * peak);
 }
 
@@ -141,4 +141,4 @@ double pl_rings_inner_m(const pl_rings *rings) { return rings->edges_m[0]; }
 
 double pl_rings_outer_m(const pl_rings *rings) { return rings->edges_m[rings->count]; }
 
-pl_rings_reach pl_rings_reach_of(const pl_rings *rings) { return rings->reach; }
+pl_rings_light_bounds pl_rings_light_bounds_of(const pl_rings *rings) { return rings->bounds; }

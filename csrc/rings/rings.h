@@ -32,11 +32,11 @@ void pl_rings_destroy(pl_rings *rings);
 double pl_rings_inner_m(const pl_rings *rings);
 double pl_rings_outer_m(const pl_rings *rings);
 /* Upper bounds over all intervals. */
-typedef struct pl_rings_reach {
+typedef struct pl_rings_light_bounds {
   double depth;     /* optical depth along the normal */
   double scattered; /* albedo times the largest value of the phase function, 1/sr */
-} pl_rings_reach;
-pl_rings_reach pl_rings_reach_of(const pl_rings *rings);
+} pl_rings_light_bounds;
+pl_rings_light_bounds pl_rings_light_bounds_of(const pl_rings *rings);
 
 /* Phase function, 1/sr, as a function of the cosine of the scattering angle; its mean over the
  * sphere is 1/(4 pi). Particles: (turn)^exponent, where turn is the scattering angle, fitted to

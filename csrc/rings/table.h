@@ -16,7 +16,7 @@ struct pl_rings {
   double *sums;
   double exponent, dust_share, dust_g;
   double norm; /* normalization of the particles' phase function, 1/sr */
-  pl_rings_reach reach;
+  pl_rings_light_bounds bounds;
 };
 
 #endif

@@ -309,15 +309,15 @@ static double sphere_defocus_px(const pl_snapshot *shot, double half, pl_vec3 ce
 
 /* No point of the rings is nearer to the sun than the centre's distance less their radius. */
 static pl_view_rings rings_of(const pl_snapshot *shot, const pl_shot_body *body) {
-  const pl_rings_reach reach = pl_rings_reach_of(body->body->rings);
+  const pl_rings_light_bounds bounds = pl_rings_light_bounds_of(body->body->rings);
   const pl_vec3 axis = pl_mat3_mul_vec(body->rotation, (pl_vec3){0.0, 0.0, 1.0});
   const double radius_m = pl_rings_outer_m(body->body->rings);
   return (pl_view_rings){
       .in_frame = body->rings_in_frame,
       .radius_m = radius_m,
       .axis = {axis.x, axis.y, axis.z},
-      .depth = reach.depth,
-      .light = reach.scattered * pl_shot_irradiance_max(shot, body->center, radius_m),
+      .depth = bounds.depth,
+      .light = bounds.scattered * pl_shot_irradiance_max(shot, body->center, radius_m),
   };
 }
 

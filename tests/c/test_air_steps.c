@@ -3,7 +3,7 @@
 
 #include <stdio.h>
 
-#include "air/reach.h"
+#include "air/light_bounds.h"
 #include "airs.h"
 
 enum { AIRS = PL_DRAWS(40, 8), RAYS = PL_DRAWS(80, 30) };
@@ -54,10 +54,10 @@ static void check_airs(double low, double high, uint64_t seed) {
     double errors[COUNT] = {0};
     const pl_air_settings settings = random_air(&random, RADIUS, low, high);
     pl_air *air = air_create(&settings, RADIUS);
-    const pl_air_reach reach = pl_air_reach_of(air);
+    const pl_air_light_bounds bounds = pl_air_light_bounds_of(air);
     check_rays(air, &random, errors);
     for (int k = 0; k < COUNT; k++)
-      most[k] = fmax(most[k], errors[k] / pl_air_step_error(&reach, steps[k]));
+      most[k] = fmax(most[k], errors[k] / pl_air_step_error(&bounds, steps[k]));
     pl_air_destroy(air);
   }
   for (int k = 0; k < COUNT; k++)

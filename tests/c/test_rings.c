@@ -69,7 +69,7 @@ static void test_phase(void **state) {
       most = fmax(most, value);
     }
     assert_true(fabs(sum - 1.0) < 1e-6);
-    assert_true(most <= pl_rings_reach_of(rings).scattered * (1.0 + 1e-12));
+    assert_true(most <= pl_rings_light_bounds_of(rings).scattered * (1.0 + 1e-12));
     pl_rings_destroy(rings);
   }
   pl_rings *saturn = even_rings(1.0, 0.5, 3.092);

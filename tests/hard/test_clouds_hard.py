@@ -1,4 +1,4 @@
-"""Clouds where it is hard: grazing rays, cameras in the shell, small bodies, stars, motion, maps."""
+"""Hard clouds: grazing rays, cameras in the shell, small bodies, stars, motion, maps."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 /* Upper bounds of the effect of atmospheres on a frame, shared by the effect rows of this folder.
  */
-#ifndef PL_AIR_REACH_H
-#define PL_AIR_REACH_H
+#ifndef PL_AIR_LIGHT_BOUNDS_H
+#define PL_AIR_LIGHT_BOUNDS_H
 
 #include "air/air.h"
 #include "plan/view.h"
@@ -14,17 +14,17 @@
 enum { PL_AIR_RULES = 13 };
 
 /* Upper bounds over all bands, for a solar irradiance of 1. */
-typedef struct pl_air_reach {
+typedef struct pl_air_light_bounds {
   double depth;     /* optical depth of the longest path through the air, past the limb */
   double scattered; /* radiance of single scattering, 1/sr */
   double several;   /* radiance of higher orders, 1/sr */
   double again;     /* by how much these are off, as they are isotropic: at most, 1/sr */
   double sky;       /* irradiance of the sky on the ground */
   double steps_off[PL_AIR_RULES];
-} pl_air_reach;
-pl_air_reach pl_air_reach_of(const pl_air *air);
+} pl_air_light_bounds;
+pl_air_light_bounds pl_air_light_bounds_of(const pl_air *air);
 
-double pl_air_step_error(const pl_air_reach *reach, int steps);
+double pl_air_step_error(const pl_air_light_bounds *bounds, int steps);
 /* The error of one ray that pl_air_step_error bounds: the largest over the bands of the error
  * divided by the light to the power of PL_AIR_POWER. */
 double pl_air_off_by(pl_vec3f is, pl_vec3f exact);

@@ -1,5 +1,5 @@
 /* Upper bounds of the effect of a body's atmosphere. */
-#include "air/reach.h"
+#include "air/light_bounds.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -37,8 +37,8 @@ static double again_of(const pl_air *air, const double depths[2], double most) {
   return most * (gas * -expm1(-depths[0]) + haze * -expm1(-depths[1]));
 }
 
-void pl_air_build_reach(pl_air *air) {
-  pl_air_reach out = {0};
+void pl_air_build_light_bounds(pl_air *air) {
+  pl_air_light_bounds out = {0};
   const double depths[2] = {OBLATE * longest(air, 0), OBLATE * longest(air, 1)};
   /* factor 2 because the layer lies above the ground */
   const double ozone = OBLATE * 2.0 * longest(air, 2);
@@ -54,10 +54,10 @@ void pl_air_build_reach(pl_air *air) {
   for (int k = 0; k < PL_AIR_SKY; k++)
     out.sky = fmax(out.sky, (double)pl_vec3f_max(air->sky[1][k]));
   pl_air_measure_steps(air, out.depth, out.steps_off);
-  air->reach = out;
+  air->bounds = out;
 }
 
-pl_air_reach pl_air_reach_of(const pl_air *air) { return air->reach; }
+pl_air_light_bounds pl_air_light_bounds_of(const pl_air *air) { return air->bounds; }
 
 double pl_air_share(const pl_view *view, const pl_view_entity *body) {
   if (body->air == NULL)
