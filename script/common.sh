@@ -9,8 +9,10 @@ LOGS=$ROOT/build
 VENV=$ROOT/.venv
 JOBS=${CMAKE_BUILD_PARALLEL_LEVEL:-$(nproc)}
 export CMAKE_BUILD_PARALLEL_LEVEL=$JOBS
-# Our own builds take warnings for errors, and find in ccache what another folder has compiled.
-export PERILUNE_WERROR=${PERILUNE_WERROR:-ON} CCACHE_BASEDIR=$ROOT CCACHE_NOHASHDIR=1
+# Our own builds take warnings for errors, and find in ccache what another folder has compiled. The
+# compiler tells ccache what a file includes: asking the preprocessor first costs a fifth of a
+# compilation.
+export PERILUNE_WERROR=${PERILUNE_WERROR:-ON} CCACHE_BASEDIR=$ROOT CCACHE_NOHASHDIR=1 CCACHE_DEPEND=1
 STARTED=$SECONDS
 mkdir -p "$LOGS"
 
