@@ -42,8 +42,8 @@ static void set_value(const pl_view *view, int value, pl_plan_row *row) {
 }
 
 /* The row of an effect that is absent or forced. */
-static void settle_row(const pl_view *view, const char *absent, bool on, bool off,
-                       pl_plan_row *row) {
+static void fill_given_row(const pl_view *view, const char *absent, bool on, bool off,
+                           pl_plan_row *row) {
   snprintf(row->reason, sizeof row->reason, "%s",
            off  ? "left out by force_off"
            : on ? "kept by force_on"
@@ -98,7 +98,7 @@ pl_status pl_plan_solve(const pl_effect *const *effects, size_t count, const pl_
     row->effect = effects[i];
     const char *absent = look_at_row(view, row);
     if (on || off || absent != NULL) {
-      settle_row(view, absent, on, off, row);
+      fill_given_row(view, absent, on, off, row);
       continue;
     }
     /* Kept in order as they come; equals stay in the order of the table. */
@@ -130,7 +130,7 @@ void pl_plan_solve_again(const pl_effect *effect, const pl_view *view, const pl_
     const bool on = pl_effect_set_has(&wish->force_on, i);
     const bool off = pl_effect_set_has(&wish->force_off, i);
     if (on || off || absent != NULL)
-      settle_row(view, absent, on, off, row);
+      fill_given_row(view, absent, on, off, row);
     else
       decide_row(view, wish->tolerance_dn, fmax(left_dn, 0.0), row);
   }
