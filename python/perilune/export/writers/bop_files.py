@@ -43,7 +43,6 @@ COCO_FILE = "scene_gt_coco.json"
 FRAMES_FILE = "scene_frames.json"
 """What is known of each image beyond BOP: camera and metadata, as in the records of other
 formats."""
-SCENE_FILES = (CAMERA_FILE, GT_FILE, INFO_FILE, COCO_FILE, FRAMES_FILE)
 KEYPOINTS_FILE = "scene_keypoints.json"
 """Rows of Sample.keypoints of each image, if they are asked for."""
 RGB_FOLDER = "rgb"
