@@ -4,8 +4,8 @@
 
 Reads what `Scene.save` wrote into the folder and job.json: threads, passes (whether to render those
 that labels need) and renders, [samples, seed] each. Writes cycles.npy, (renders, H, W, 3) radiance,
-and seconds.json. As Cycles comes, but for: even samples, the pixel as filter, no denoiser, no
-clamps, no blur of reflections, no offsets at terminators.
+and seconds.json, of CPU time. As Cycles comes, but for: even samples, the pixel as filter, no
+denoiser, no clamps, no blur of reflections, no offsets at terminators.
 """
 
 from __future__ import annotations
@@ -166,14 +166,14 @@ def set_up(bounces: int, threads: int) -> None:
 
 
 def render(samples: int, seed: int, folder: Path) -> tuple[Array, float]:
-    """Radiance (H, W, 3), and seconds without those of saving it."""
+    """Radiance (H, W, 3), and seconds of CPU time without those of saving it."""
     scene = bpy.context.scene
     scene.cycles.samples, scene.cycles.seed = samples, seed
     scene.render.image_settings.file_format = "OPEN_EXR"
     scene.render.image_settings.color_depth = "32"
-    start = time.perf_counter()
+    start = time.process_time()
     bpy.ops.render.render(write_still=False)
-    seconds = time.perf_counter() - start
+    seconds = time.process_time() - start
     path = folder / "cycles.exr"
     bpy.data.images["Render Result"].save_render(str(path))
     image = bpy.data.images.load(str(path))

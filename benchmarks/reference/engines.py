@@ -22,7 +22,7 @@ def cycles(
     threads: int,
     passes: bool = False,
 ) -> tuple[Array, list[float]]:
-    """(renders, H, W, 3) radiance and seconds, of (samples, seed) each."""
+    """(renders, H, W, 3) radiance and seconds of CPU time, of (samples, seed) each."""
     scene.save(folder)
     job = {"threads": threads, "passes": passes, "renders": renders}
     (folder / "job.json").write_text(json.dumps(job))
