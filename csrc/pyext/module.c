@@ -80,11 +80,13 @@ static PyObject *allocations(PyObject *module, PyObject *unused) {
 static PyMethodDef functions[] = {
     {"band_gather", pl_py_band_gather, METH_VARARGS, "What a band gathers of sunlight."},
     {"allocations", allocations, METH_NOARGS, "Allocations made by the core so far."},
+    {"clods", pl_py_clods, METH_O, "Heights of clods on a sample of ground."},
     {"cloud_cover", pl_py_cloud_cover, METH_VARARGS, "Parts of footprints that clouds cover."},
     {"draws", pl_py_draws, METH_VARARGS, "Standard numbers of many streams of NumPy's Philox."},
     {"exr_encode", pl_py_exr_encode, METH_VARARGS, "An OpenEXR file of named planes, as bytes."},
     {"exr_decode", pl_py_exr_decode, METH_VARARGS, "The planes of an OpenEXR file, by name."},
     {"gltf_graphs", pl_py_gltf_graphs, METH_O, "Graphs in the extras of a file's materials."},
+    {"mottling", pl_py_mottling, METH_O, "Shares of bright ground on a sample."},
     {"png_encode", (PyCFunction)(void (*)(void))pl_py_png_encode, METH_VARARGS | METH_KEYWORDS,
      "The bytes of an image array as PNG."},
     {"png_grey", pl_py_png_grey, METH_VARARGS, "Numbers of a grey PNG of any depth, as 16 bits."},

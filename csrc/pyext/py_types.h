@@ -55,6 +55,9 @@ PyObject *pl_py_draws(PyObject *module, PyObject *args);
 PyObject *pl_py_gltf_graphs(PyObject *module, PyObject *path);
 /* The function sunlight, as documented in the stub. */
 PyObject *pl_py_sunlight(PyObject *module, PyObject *args, PyObject *kwargs);
+/* The functions clods and mottling, as documented in the stub. */
+PyObject *pl_py_clods(PyObject *module, PyObject *given);
+PyObject *pl_py_mottling(PyObject *module, PyObject *given);
 /* The function cloud_cover, as documented in the stub. */
 PyObject *pl_py_cloud_cover(PyObject *module, PyObject *args);
 /* Marks the scene as in use: nothing can be added from then on. */

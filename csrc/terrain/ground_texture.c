@@ -21,9 +21,13 @@ enum { PATCHES = 9 };
 
 static const double ROOT3_2 = 0.86602540378443865;
 
-/* A patch at a point: place in the image over its width and height, and its weight. */
+/* A patch at a point: place in the image over its width and height, by how much it changes along
+ * directions on the ground (over a metre), and its weight. */
 typedef struct patch {
+  int face;
+  int64_t node[2]; /* of the face's lattice */
   double x, y, weight;
+  pl_vec3 dx, dy;
 } patch;
 
 static const pl_raster *first_of(const pl_ground_texture *texture) {
@@ -41,9 +45,11 @@ static double edge_m(const pl_ground_texture *texture) {
   return EDGE * texture->size_m * fmin(1.0, tall(first_of(texture)));
 }
 
-/* The patch of a node (i, j) of a face at a point: `to` is the direction of the point. */
-static void add_patch(const pl_ground_texture *texture, double radius_m, int face, double edge,
-                      const int64_t node[2], double weight, pl_vec3 to, patch *out) {
+/* Places the image of a patch at a point: `to` is the direction of the point. */
+static void place_image(const pl_ground_texture *texture, double radius_m, pl_vec3 to, patch *out) {
+  const double edge = edge_m(texture);
+  const int face = out->face;
+  const int64_t *node = out->node;
   const double unit = 1.0 / (0.25 * PL_PI * radius_m);
   const pl_vec3 at =
       pl_cube_direction(face, edge * ((double)node[0] + 0.5 * (double)node[1]) * unit,
@@ -57,18 +63,19 @@ static void add_patch(const pl_ground_texture *texture, double radius_m, int fac
   const pl_vec3 a = pl_vec3_unit(pl_vec3_cross(other, at)), b = pl_vec3_cross(at, a);
   const pl_vec3 off = pl_vec3_scale(pl_vec3_sub(to, at), radius_m);
   const double u = pl_vec3_dot(off, a), v = pl_vec3_dot(off, b);
+  const double cosine = cos(turn), sine = sin(turn);
   const double high_m = texture->size_m * tall(first_of(texture));
   const double free_x = 1.0 - 2.0 * edge / texture->size_m, free_y = 1.0 - 2.0 * edge / high_m;
   out->x = edge / texture->size_m + free_x * pl_philox_double(words[1]) +
-           (u * cos(turn) - v * sin(turn)) / texture->size_m;
-  out->y = edge / high_m + free_y * pl_philox_double(words[2]) +
-           (u * sin(turn) + v * cos(turn)) / high_m;
-  out->weight = weight;
+           (u * cosine - v * sine) / texture->size_m;
+  out->y = edge / high_m + free_y * pl_philox_double(words[2]) + (u * sine + v * cosine) / high_m;
+  out->dx = pl_vec3_madd(pl_vec3_scale(a, cosine / texture->size_m), -sine / texture->size_m, b);
+  out->dy = pl_vec3_madd(pl_vec3_scale(a, sine / high_m), cosine / high_m, b);
 }
 
 /* Adds the three patches about a point on a face with a share; returns their number. */
 static int add_face(const pl_ground_texture *texture, double radius_m, int face, double s, double t,
-                    double share, pl_vec3 to, patch *out) {
+                    double share, patch *out) {
   const double edge = edge_m(texture), unit = 0.25 * PL_PI * radius_m / edge;
   const double q = t * unit / ROOT3_2, r = s * unit - 0.5 * q;
   const int64_t i = (int64_t)floor(r), j = (int64_t)floor(q);
@@ -78,9 +85,9 @@ static int add_face(const pl_ground_texture *texture, double radius_m, int face,
   const double w[3] = {upper ? f + g - 1.0 : 1.0 - f - g, upper ? 1.0 - g : f, upper ? 1.0 - f : g};
   int count = 0;
   for (int k = 0; k < 3; k++)
-    if (w[k] > 0.0)
-      /* Squares: they fall to 0 without a kink. */
-      add_patch(texture, radius_m, face, edge, nodes[k], share * w[k] * w[k], to, &out[count++]);
+    if (w[k] > 0.0) /* Squares: they fall to 0 without a kink. */
+      out[count++] =
+          (patch){.face = face, .node = {nodes[k][0], nodes[k][1]}, .weight = share * w[k] * w[k]};
   return count;
 }
 
@@ -94,9 +101,9 @@ static double share_of(double s, double seam) {
   return ramp((1.0 - fabs(s) + seam) / (2.0 * seam));
 }
 
-/* Finds the patches of a point, with weights whose squares sum to 1. */
-static int find_patches(const pl_ground_texture *texture, double radius_m, pl_vec3 to,
-                        patch out[PATCHES]) {
+/* Finds the patches of a point, with weights whose squares sum to 1, but not their images. */
+static int weigh_patches(const pl_ground_texture *texture, double radius_m, pl_vec3 to,
+                         patch out[PATCHES]) {
   const double seam = SEAM * edge_m(texture) / (0.25 * PL_PI * radius_m);
   double squares = 0.0;
   int count = 0;
@@ -106,12 +113,20 @@ static int find_patches(const pl_ground_texture *texture, double radius_m, pl_ve
       continue;
     const double share = share_of(s, seam) * share_of(t, seam);
     if (share > 0.0 && count + 3 <= PATCHES)
-      count += add_face(texture, radius_m, face, s, t, share, to, &out[count]);
+      count += add_face(texture, radius_m, face, s, t, share, &out[count]);
   }
   for (int k = 0; k < count; k++)
     squares += out[k].weight * out[k].weight;
   for (int k = 0; k < count; k++)
     out[k].weight /= sqrt(squares);
+  return count;
+}
+
+static int find_patches(const pl_ground_texture *texture, double radius_m, pl_vec3 to,
+                        patch out[PATCHES]) {
+  const int count = weigh_patches(texture, radius_m, to, out);
+  for (int k = 0; k < count; k++)
+    place_image(texture, radius_m, to, &out[k]);
   return count;
 }
 
@@ -137,6 +152,11 @@ static const pl_raster *raster_of(const pl_ground_texture *texture, pl_ground_te
                                        : texture->albedo;
 }
 
+/* Share of deviations over a footprint: wider ones than patches have the mean. */
+static double left_of(const pl_ground_texture *texture, double footprint_m) {
+  return 1.0 - ramp((footprint_m / edge_m(texture) - FADE_FROM) / FADE_FROM);
+}
+
 double pl_ground_texture_at(const pl_ground_texture *texture, pl_ground_texture_kind kind,
                             double radius_m, pl_vec3 direction, double footprint_m) {
   const pl_raster *raster = raster_of(texture, kind);
@@ -144,8 +164,7 @@ double pl_ground_texture_at(const pl_ground_texture *texture, pl_ground_texture_
   if (raster == NULL)
     return kind == PL_GROUND_HEIGHTS ? 0.0 : 1.0;
   const double mean = texture->means[kind];
-  /* Wider footprints than patches have the mean. */
-  const double left = 1.0 - ramp((footprint_m / edge_m(texture) - FADE_FROM) / FADE_FROM);
+  const double left = left_of(texture, footprint_m);
   if (!(left > 0.0))
     return kind == PL_GROUND_HEIGHTS ? 0.0 : mean;
   double sum = 0.0;
@@ -157,24 +176,64 @@ double pl_ground_texture_at(const pl_ground_texture *texture, pl_ground_texture_
   return kind == PL_GROUND_HEIGHTS ? sum : fmax(mean + sum, 0.0);
 }
 
-pl_vec3 pl_ground_texture_slope(const pl_ground_texture *texture, double radius_m,
-                                pl_vec3 direction, double footprint_m) {
-  pl_vec3 out = {0.0, 0.0, 0.0};
-  if (texture->heights == NULL)
-    return out;
+/* Weights change over differences of this part of an edge. */
+#define WEIGHT_STEP 0.02
+
+/* Writes by how much the weights of patches at a point change along a unit axis, over a metre. */
+static void weight_slopes(const pl_ground_texture *texture, double radius_m, pl_vec3 to,
+                          pl_vec3 axis, const patch *patches, int count, double out[PATCHES]) {
+  const double step_m = WEIGHT_STEP * edge_m(texture);
+  for (int k = 0; k < count; k++)
+    out[k] = 0.0;
+  for (int end = -1; end <= 1; end += 2) {
+    patch beside[PATCHES];
+    const int found = weigh_patches(
+        texture, radius_m, pl_vec3_unit(pl_vec3_madd(to, end * step_m / radius_m, axis)), beside);
+    for (int n = 0; n < found; n++)
+      for (int k = 0; k < count; k++)
+        if (beside[n].face == patches[k].face && beside[n].node[0] == patches[k].node[0] &&
+            beside[n].node[1] == patches[k].node[1])
+          out[k] += end * beside[n].weight / (2.0 * step_m);
+  }
+}
+
+/* Slope along a unit axis over a footprint, with the changes of weights along it. */
+static double slope_along(const pl_ground_texture *texture, const patch *patches, int count,
+                          pl_vec3 axis, const double *changes, double footprint_m) {
   const double half_m = 0.5 * fmax(footprint_m, pl_ground_texture_texel_m(texture));
+  const double mean = texture->means[PL_GROUND_HEIGHTS];
+  double sum = 0.0;
+  for (int k = 0; k < count; k++) {
+    const patch *p = &patches[k];
+    const double x = half_m * pl_vec3_dot(p->dx, axis), y = half_m * pl_vec3_dot(p->dy, axis);
+    const double ahead =
+        value_at(texture->heights, texture->size_m, p->x + x, p->y + y, footprint_m);
+    const double back =
+        value_at(texture->heights, texture->size_m, p->x - x, p->y - y, footprint_m);
+    sum += p->weight * (ahead - back) / (2.0 * half_m) + changes[k] * (0.5 * (ahead + back) - mean);
+  }
+  return sum;
+}
+
+pl_vec3 pl_ground_texture_slope(const pl_ground_texture *texture, double radius_m,
+                                pl_vec3 direction, double footprint_m, double without_m) {
+  pl_vec3 out = {0.0, 0.0, 0.0};
+  patch patches[PATCHES];
+  const double own = left_of(texture, footprint_m), less = left_of(texture, without_m);
+  if (texture->heights == NULL || !(own > 0.0))
+    return out;
+  const int count = find_patches(texture, radius_m, direction, patches);
   const pl_vec3 other =
       fabs(direction.z) < 0.7 ? (pl_vec3){0.0, 0.0, 1.0} : (pl_vec3){1.0, 0.0, 0.0};
   const pl_vec3 a = pl_vec3_unit(pl_vec3_cross(other, direction));
   const pl_vec3 axes[2] = {a, pl_vec3_cross(direction, a)};
   for (int k = 0; k < 2; k++) {
-    double h[2];
-    for (int end = 0; end < 2; end++)
-      h[end] = pl_ground_texture_at(
-          texture, PL_GROUND_HEIGHTS, radius_m,
-          pl_vec3_unit(pl_vec3_madd(direction, (end == 0 ? -half_m : half_m) / radius_m, axes[k])),
-          footprint_m);
-    out = pl_vec3_madd(out, (h[1] - h[0]) / (2.0 * half_m), axes[k]);
+    double changes[PATCHES];
+    weight_slopes(texture, radius_m, direction, axes[k], patches, count, changes);
+    double slope = own * slope_along(texture, patches, count, axes[k], changes, footprint_m);
+    if (less > 0.0)
+      slope -= less * slope_along(texture, patches, count, axes[k], changes, without_m);
+    out = pl_vec3_madd(out, slope, axes[k]);
   }
   return out;
 }

@@ -40,9 +40,10 @@ typedef enum pl_ground_texture_kind {
  * from their mean, of others at least 0; 0 and 1 without such an image. */
 double pl_ground_texture_at(const pl_ground_texture *texture, pl_ground_texture_kind kind,
                             double radius_m, pl_vec3 direction, double footprint_m);
-/* Returns the slope of the heights, a vector along the ground in body axes. */
+/* Returns the slope of the heights over a footprint, less that over a wider one (INFINITY: less
+ * nothing): a vector along the ground in body axes. */
 pl_vec3 pl_ground_texture_slope(const pl_ground_texture *texture, double radius_m,
-                                pl_vec3 direction, double footprint_m);
+                                pl_vec3 direction, double footprint_m, double without_m);
 /* Returns the variance of slopes along any one axis of heights over a footprint. */
 double pl_ground_texture_variance(const pl_ground_texture *texture, double footprint_m);
 /* Writes a bound of the deviations of heights from 0. */

@@ -80,9 +80,8 @@ static void add_textures(const pl_terrain *terrain, pl_vec3 direction, int level
     out->whole += all - fmin(fine, pl_ground_texture_variance(of, mesh_m));
     if (of->heights == NULL || footprint_m >= mesh_m)
       continue;
-    const pl_vec3 own = pl_ground_texture_slope(of, terrain->radius_m, direction, footprint_m);
-    const pl_vec3 has = pl_ground_texture_slope(of, terrain->radius_m, direction, mesh_m);
-    out->slope = pl_vec3_add(out->slope, pl_vec3_sub(own, has));
+    out->slope = pl_vec3_add(
+        out->slope, pl_ground_texture_slope(of, terrain->radius_m, direction, footprint_m, mesh_m));
   }
 }
 

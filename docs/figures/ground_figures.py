@@ -50,6 +50,22 @@ def tracks() -> tuple[str, NDArray[np.uint8]]:
     return "tracks of a rover, Sun 15 deg", sim.frame(0, ["rgb"])["rgb"]
 
 
+def soil() -> list[list[tuple[str, NDArray[np.uint8]]]]:
+    """Rows of titles and images: the rover's ground and Mars, without and with their textures."""
+    rows = []
+    for title, name, body, frame, elevation in (
+        ("a mast, Sun 20 deg", "lunar_rover", "moon", 3, 20.0),
+        ("Mars from 1 km, Sun 30 deg", "mars_descent", "mars", 5, 30.0),
+    ):
+        row = []
+        for kind, without in (("without", {f"bodies.{body}.terrain.textures": []}), ("", {})):
+            changes = SIZE | without | {SUN_ELEVATION: elevation}
+            sim = perilune.open(CONFIGS / f"{name}.yaml", overrides=changes)
+            row.append((kind or title, sim.frame(frame, ["rgb"])["rgb"]))
+        rows.append(row)
+    return rows
+
+
 def suns() -> list[list[tuple[str, NDArray[np.uint8]]]]:
     """Rows of titles and images: scenes under a low, a middling and a high Sun."""
     small = {"camera.width": 280, "camera.height": 210}

@@ -7,8 +7,8 @@ orbits. Figure 13: camera trajectories, sketched, with frames taken along them. 
 configs/demo.yaml with the changes below. `moon`: see moon_figures.py. Figure 8: a noise of three
 scales. Figure 10: foil under rising jitter. `materials`: a sheet of all ready materials.
 `light_curve`: an eclipse in low orbit. `glare` and `moon_sensor`: see sensor_figures.py. `shutter`:
-see shutter_figures.py. `shapes`: see shape_figures.py. `terrain`, `suns`, `apron`, `tracks`: see
-ground_figures.py. `ground`: see ground_statistics.py. `lunar_...`: see
+see shutter_figures.py. `shapes`: see shape_figures.py. `terrain`, `suns`, `apron`, `soil`,
+`tracks`: see ground_figures.py. `ground`: see ground_statistics.py. `lunar_...`: see
 lunar_paper.py. Needs the
 extra `plot`.
 """
@@ -188,6 +188,10 @@ def apron() -> None:
     pictures("apron.png", [ground_figures.apron()], 8.4)
 
 
+def soil() -> None:
+    pictures("soil.png", ground_figures.soil(), 8.4)
+
+
 def tracks() -> None:
     pictures("tracks.png", [[ground_figures.tracks()]], 4.8)
 
@@ -331,6 +335,7 @@ FIGURES = {
     "13": figure_13,
     "glare": glare,
     "ground": ground,
+    "soil": soil,
     "suns": suns,
     "apron": apron,
     "lunar_02": lunar_02,

@@ -93,7 +93,13 @@ from perilune._core_scan import (
     source_rays as source_rays,
 )
 from perilune._core_terrain import (
+    ClodSettings as ClodSettings,
+)
+from perilune._core_terrain import (
     CraterField as CraterField,
+)
+from perilune._core_terrain import (
+    MottlingSettings as MottlingSettings,
 )
 from perilune._core_terrain import (
     Raster as Raster,
@@ -106,6 +112,12 @@ from perilune._core_terrain import (
 )
 from perilune._core_terrain import (
     Terrain as Terrain,
+)
+from perilune._core_terrain import (
+    clods as clods,
+)
+from perilune._core_terrain import (
+    mottling as mottling,
 )
 
 F64 = NDArray[np.float64]

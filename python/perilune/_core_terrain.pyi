@@ -1,7 +1,7 @@
 """Types of the C core for the ground of bodies: `perilune._core` has their names."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any, Self, final
+from typing import Any, Self, TypedDict, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -162,3 +162,26 @@ class Terrain:
     @property
     def finest_level(self) -> int:
         """Level beyond which nothing is added."""
+
+class ClodSettings(TypedDict):
+    seed: int
+    pixels: int  # along a side
+    size_m: float
+    min_diameter_m: float
+    max_diameter_m: float
+    density_per_m2: float  # of 1 cm or more
+    exponent: float
+
+class MottlingSettings(TypedDict):
+    seed: int
+    pixels: int
+    cover: float
+    border: float
+    hurst: float
+
+def clods(settings: ClodSettings, /) -> NDArray[np.float32]:
+    """Heights over the soil, m, (pixels, pixels), of clods on a square of size_m. ValueError names the
+    key."""
+
+def mottling(settings: MottlingSettings, /) -> NDArray[np.float32]:
+    """Shares of bright ground less their mean, (pixels, pixels)."""

@@ -13,7 +13,7 @@ from pydantic import ValidationError
 
 import perilune
 from perilune import _core
-from perilune.bodies.ground_textures import read_texture
+from perilune.bodies.ground_textures import clods_of, read_texture
 from perilune.bodies.terrain import core_terrain
 from perilune.config.body import Body
 from perilune.config.errors import ConfigError
@@ -166,7 +166,7 @@ def test_brightness_does_not_depend_on_the_mesh(tmp_path: Path, image: Path) -> 
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"displacement": None}, "needs displacement, roughness or albedo"),
+        ({"displacement": None}, "needs displacement, clods, roughness, albedo or mottling"),
         ({"size_m": 0.0}, "greater than 0"),
         ({"displacement": {"file": "a.png"}}, "high_m"),
         ({"roughness": {"file": "a.png", "high": -1.0}}, "greater than or equal to 0"),
@@ -210,3 +210,65 @@ def test_what_a_body_does_not_show_is_an_error(body: dict[str, Any], words: str)
     terrain = {"textures": [{"size_m": 2.0, "roughness": image, "albedo": image}]}
     with pytest.raises(ValidationError, match=words):
         Body.model_validate({"kind": "moon", "terrain": terrain, **body})
+
+
+def made(size_m: float, **parts: Any) -> dict[str, Any]:
+    """The rover's ground straight down, with a texture that the core makes."""
+    return {
+        "camera.width": 96,
+        "camera.height": 96,
+        "render.samples": 4,
+        "sensors": {},
+        "camera.trajectory": {
+            "kind": "hover",
+            "target": "moon",
+            "lon_deg": 10.0,
+            "lat_deg": 20.0,
+            "height_m": 400.0,
+        },
+        "bodies.moon.terrain.rocks": None,
+        "bodies.moon.terrain.textures": [{"size_m": size_m, "seed": 5, **parts}],
+    }
+
+
+def test_mottling_keeps_the_mean_albedo_and_has_its_contrast() -> None:
+    """The mean over many patches is that of the body; both kinds differ by the contrast."""
+    given = made(100.0, mottling={"contrast": 0.4, "border": 0.1, "hurst": 0.8})
+    albedo = perilune.open("configs/lunar_rover.yaml", overrides=given).frame(0, ["albedo"])
+    values = albedo["albedo"][..., 0].ravel() / 0.33
+    low, high = np.percentile(values, [5, 95])
+    assert abs(values.mean() - 1.0) < 0.03
+    assert 0.3 < high - low < 0.5
+
+
+def test_clods_are_relief_of_the_ground() -> None:
+    """Their share of the ground is that of their law, and no height is beyond theirs."""
+    texture = {"size_m": 2.0, "clods": {"min_diameter_m": 0.02, "density_per_m2": 300.0}}
+    given = Terrain.model_validate({"detail": {"strength": 0.0}, "textures": [texture]})
+    row = given.textures[0]
+    assert row.clods is not None
+    raster = clods_of(row, row.clods)
+    laid = core_terrain(given, RADII_M, [], textures=[(raster, None, None)])
+    random = np.random.default_rng(3)
+    places = about((0.3, -0.6, 0.4), random.uniform(-20, 20, 8000), random.uniform(-20, 20, 8000))
+    heights = laid.heights(places, 0.0)
+    # 65 a square metre of 2 to 6 cm; patches that overlap show some of both, less high.
+    assert 0.03 < (heights > 0.002).mean() < 0.12
+    assert heights.max() < 0.03
+
+
+@pytest.mark.parametrize(
+    ("texture", "message"),
+    [
+        ({"clods": {}, "size_m": 0.2}, "clods.max_diameter_m: 0.06 must be at most 0.025"),
+        ({"clods": {"density_per_m2": 1e5}}, "clods.density_per_m2: clods would cover"),
+        ({"clods": {"min_diameter_m": 0.1}}, "clods.min_diameter_m"),
+        ({"mottling": {}}, "mottling.contrast"),
+        ({"mottling": {"contrast": 0.2}, "albedo": {"file": "a.png"}}, "not beside albedo"),
+        ({"clods": {}, "displacement": {"file": "a.png", "high_m": 1.0}}, "not beside displ"),
+    ],
+)
+def test_textures_that_cannot_be_made_are_refused(texture: dict[str, Any], message: str) -> None:
+    rows = {"bodies.moon.terrain.textures": [{"size_m": 2.0, **texture}]}
+    with pytest.raises(ConfigError, match=message):
+        perilune.open("configs/lunar_rover.yaml", overrides=rows).terrain(0)

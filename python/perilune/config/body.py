@@ -216,9 +216,9 @@ class Body(Strict):
     def _textures_of_terrain(self) -> Body:
         given, why = self.terrain, f"not for a body with a material; give it to '{self.material}'"
         for k, row in enumerate(() if given is None else given.textures):
-            key = "albedo" if row.albedo is not None else "roughness"
-            if self.material is not None and getattr(row, key) is not None:
-                fail(f"terrain.textures[{k}].{key}", why)
+            for key in ("albedo", "mottling", "roughness"):
+                if self.material is not None and getattr(row, key) is not None:
+                    fail(f"terrain.textures[{k}].{key}", why)
             if row.roughness is not None and self.reflectance != "hapke":
                 fail(f"terrain.textures[{k}].roughness", "does nothing without reflectance: hapke")
         for k, track in enumerate(() if given is None else given.tracks):

@@ -34,6 +34,43 @@ class FactorImage(Strict):
     """Factor of white, or of 1 in an array of floats."""
 
 
+_Fixed = BeforeValidator(refuse_drawn)
+_Pixels = Annotated[int, Field(strict=True, ge=16, le=4096), _Fixed]
+
+
+class Clods(Strict):
+    """Fragments of soil and rock too small for `rocks`, angular or rounded, that lie on the ground.
+
+    Their numbers follow a power law. The defaults are those of Surveyor I (Shoemaker and Morris
+    1970)."""
+
+    min_diameter_m: Annotated[Positive, _Fixed] = 0.008
+    max_diameter_m: Annotated[Positive, _Fixed] = 0.06
+    """At most an eighth of `size_m`. Leave larger ones to `rocks`."""
+    density_per_m2: Annotated[NonNegative, _Fixed] = 39.0
+    """Number of 1 cm or more on a square metre."""
+    exponent: Annotated[Positive, _Fixed] = 2.11
+    """Those of D or more are as D^-exponent."""
+    pixels: _Pixels = 512
+    """Along the sample: its finest detail is `size_m` over this."""
+
+
+class Mottling(Strict):
+    """Two kinds of ground, as dust and bedrock, in patches of up to a sixth of `size_m`."""
+
+    contrast: Annotated[Finite, Field(gt=0.0, le=1.0), _Fixed]
+    """Difference of their albedos over the mean, which stays."""
+    cover: Annotated[Finite, Field(gt=0.0, lt=1.0), _Fixed] = 0.5
+    """Share of the bright one."""
+    border: Annotated[Positive, _Fixed] = 1.0
+    """Width of what lies between them, in deviations of the fractal that parts them: 0.2 makes
+    borders sharp, 4 clouds."""
+    hurst: Annotated[Finite, Field(ge=0.0, le=1.0), _Fixed] = 0.5
+    """Of that fractal: 1 makes borders smooth, 0 frays them."""
+    pixels: _Pixels = 512
+    """Along the sample: its finest detail is `size_m` over this."""
+
+
 class GroundTexture(Strict):
     """Images of one sample of ground, of the same shape, laid all over the body: in patches of a
     quarter of the image that are turned and shifted at random, without a visible repeat."""
@@ -49,9 +86,27 @@ class GroundTexture(Strict):
     """Factors on Hapke's roughness; only for reflectance with a roughness."""
     albedo: FactorImage | None = None
     """Factors on the albedo."""
+    clods: Clods | None = None
+    """Heights that are made, in place of `displacement`."""
+    mottling: Mottling | None = None
+    """Factors on the albedo that are made, in place of `albedo`."""
 
     @model_validator(mode="after")
     def _some(self) -> GroundTexture:
-        if self.displacement is None and self.roughness is None and self.albedo is None:
-            fail("", "needs displacement, roughness or albedo")
+        given = (self.displacement, self.roughness, self.albedo, self.clods, self.mottling)
+        if all(image is None for image in given):
+            fail("", "needs displacement, clods, roughness, albedo or mottling")
+        if self.displacement is not None and self.clods is not None:
+            fail("clods", "not beside displacement: give another texture")
+        if self.albedo is not None and self.mottling is not None:
+            fail("mottling", "not beside albedo: give another texture")
+        if self.clods is not None:
+            self._fits(self.clods)
         return self
+
+    def _fits(self, clods: Clods) -> None:
+        if clods.max_diameter_m > 0.125 * self.size_m:
+            most = f"at most {0.125 * self.size_m:g}, an eighth of size_m"
+            fail("clods.max_diameter_m", f"{clods.max_diameter_m:g} must be {most}")
+        if clods.min_diameter_m >= clods.max_diameter_m:
+            fail("clods.min_diameter_m", "must be below max_diameter_m")

@@ -14,7 +14,7 @@ from perilune.base.kept import make_room
 from perilune.bodies import terrain as terrains
 from perilune.bodies.craters import read_catalogue
 from perilune.bodies.elevation import ElevationRaster, read_elevation
-from perilune.bodies.ground_textures import read_texture
+from perilune.bodies.ground_textures import clods_of, mottling_of, read_texture
 from perilune.bodies.raster_doubts import hidden
 from perilune.bodies.rocks import RockModel, read_rock_model
 from perilune.bodies.shapes import BodyShape
@@ -22,7 +22,13 @@ from perilune.bodies.surface_rasters import ALBEDO, MASK, ROUGHNESS, Quantity, r
 from perilune.config.body import Body
 from perilune.config.elevation import Elevation, SurfaceRaster
 from perilune.config.errors import ConfigError
-from perilune.config.ground_textures import FactorImage, HeightImage
+from perilune.config.ground_textures import (
+    Clods,
+    FactorImage,
+    GroundTexture,
+    HeightImage,
+    Mottling,
+)
 from perilune.config.terrain import Terrain
 from perilune.config.types import Latitudes
 from perilune.document.document import Document
@@ -46,6 +52,7 @@ class Terrains:
         self._elevations: dict[tuple[Any, ...], ElevationRaster] = {}
         self._catalogues: dict[Path, NDArray[np.void]] = {}
         self._textures: dict[tuple[Any, ...], _core.Raster] = {}
+        self._samples: dict[tuple[float, int, Clods | Mottling], _core.Raster] = {}
         self._rock_models: dict[Path, RockModel] = {}
         self._terrains: dict[tuple[Any, ...], tuple[_core.Terrain, Ground]] = {}
         self._shapes: dict[tuple[Any, ...], Ground] = {}
@@ -108,14 +115,32 @@ class Terrains:
     def _textures_of(
         self, document: Document, where: str, given: Terrain
     ) -> list[terrains.Textures]:
-        return [
-            (
-                self._texture(document, f"{where}.textures[{k}].displacement", row.displacement),
-                self._texture(document, f"{where}.textures[{k}].roughness", row.roughness),
-                self._texture(document, f"{where}.textures[{k}].albedo", row.albedo),
-            )
-            for k, row in enumerate(given.textures)
-        ]
+        found = []
+        for k, row in enumerate(given.textures):
+            key = f"{where}.textures[{k}]"
+            heights = self._texture(document, f"{key}.displacement", row.displacement)
+            rough = self._texture(document, f"{key}.roughness", row.roughness)
+            albedo = self._texture(document, f"{key}.albedo", row.albedo)
+            if row.clods is not None:
+                heights = self._made(document, f"{key}.clods", row, row.clods)
+            if row.mottling is not None:
+                albedo = self._made(document, f"{key}.mottling", row, row.mottling)
+            found.append((heights, rough, albedo))
+        return found
+
+    def _made(
+        self, document: Document, key: str, row: GroundTexture, given: Clods | Mottling
+    ) -> _core.Raster:
+        """An image that the core makes, once."""
+        of = (row.size_m, row.seed, given)
+        if of not in self._samples:
+            try:
+                self._samples[of] = (
+                    clods_of(row, given) if isinstance(given, Clods) else mottling_of(row, given)
+                )
+            except ValueError as error:
+                raise ConfigError(f"{document.source}:\n  {key}.{error}") from error
+        return self._samples[of]
 
     def _rock_models_of(
         self, document: Document, where: str, given: Terrain, teller: Teller
