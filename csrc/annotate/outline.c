@@ -212,25 +212,44 @@ static pl_status refine_object(const pl_camera *camera, pl_cluster_cache *cache,
   return PL_OK;
 }
 
-/* Bounds the triangles of a model, which are those of the object from `first` on, that belong to
- * some parts. Returns false if there are none. */
-static bool bound_parts(const pl_object *object, const pl_model *model, size_t first,
-                        const uint8_t *parts, pl_cluster *box) {
-  bool any = false;
-  *box = (pl_cluster){{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+static const pl_cluster nothing_bounded = {{INFINITY, INFINITY, INFINITY},
+                                           {-INFINITY, -INFINITY, -INFINITY}};
+
+/* Bounds the triangles of each part in a model, which are those of the object from `first` on. */
+static void bound_parts(const pl_object *object, const pl_model *model, size_t first,
+                        pl_cluster *boxes) {
+  for (size_t i = 0; i < object->part_count; i++)
+    boxes[i] = nothing_bounded;
   for (size_t t = 0; t < model->triangle_count; t++) {
-    if (parts[pl_object_part(object, (uint32_t)(first + t))] == 0)
-      continue;
-    any = true;
+    pl_cluster *box = &boxes[pl_object_part(object, (uint32_t)(first + t))];
     for (size_t k = 0; k < 3; k++) {
       const float *p = model->positions + 3 * (size_t)model->indices[3 * t + k];
       for (size_t axis = 0; axis < 3; axis++) {
-        box->low[axis] = fminf(box->low[axis], p[axis]);
-        box->high[axis] = fmaxf(box->high[axis], p[axis]);
+        box->low[axis] = p[axis] < box->low[axis] ? p[axis] : box->low[axis];
+        box->high[axis] = p[axis] > box->high[axis] ? p[axis] : box->high[axis];
       }
     }
   }
-  return any;
+}
+
+void pl_outline_bound_parts(const pl_shot_object *object, pl_cluster *boxes) {
+  const pl_object *own = object->object;
+  if (object->pieces == NULL)
+    bound_parts(own, own->model, 0, boxes);
+  for (size_t k = 0; k < object->piece_count; k++)
+    if (object->pieces[k].present)
+      bound_parts(own, object->pieces[k].model, own->cut->first[k], boxes + k * own->part_count);
+}
+
+/* Joins the boxes of the parts that count; returns false if they have no triangle. */
+static bool join(const pl_cluster *boxes, size_t count, const uint8_t *parts, pl_cluster *out) {
+  *out = nothing_bounded;
+  for (size_t i = 0; i < count; i++)
+    for (size_t axis = 0; axis < 3 && parts[i] != 0; axis++) {
+      out->low[axis] = fminf(out->low[axis], boxes[i].low[axis]);
+      out->high[axis] = fmaxf(out->high[axis], boxes[i].high[axis]);
+    }
+  return out->low[0] <= out->high[0];
 }
 
 /* Gives an outline a box of triangles, or none. */
@@ -240,14 +259,15 @@ static void enclose(const pl_camera *camera, bool any, pl_cluster *box, pl_outli
 }
 
 pl_outline pl_outline_of_parts(const pl_snapshot *shot, size_t index, const pl_outline *all,
-                               const uint8_t *parts, pl_outline *pieces, pl_cluster *boxes) {
+                               const pl_cluster *bounds, const uint8_t *parts, pl_outline *pieces,
+                               pl_cluster *boxes) {
   const pl_shot_object *object = &shot->objects[index];
+  const size_t count = object->object->part_count;
   pl_outline out = *all;
   size_t next = 0;
   out.whole = false;
   if (all->pieces == NULL) {
-    enclose(&shot->rays.camera, bound_parts(object->object, all->model, 0, parts, boxes), boxes,
-            &out);
+    enclose(&shot->rays.camera, join(bounds, count, parts, boxes), boxes, &out);
     return out;
   }
   out.pieces = pieces;
@@ -255,11 +275,9 @@ pl_outline pl_outline_of_parts(const pl_snapshot *shot, size_t index, const pl_o
   for (size_t k = 0; k < object->piece_count; k++) {
     if (!object->pieces[k].present)
       continue;
-    const size_t first = object->object->cut->first[k];
     pieces[next] = all->pieces[next];
-    enclose(&shot->rays.camera,
-            bound_parts(object->object, pieces[next].model, first, parts, &boxes[next]),
-            &boxes[next], &pieces[next]);
+    enclose(&shot->rays.camera, join(bounds + k * count, count, parts, &boxes[next]), &boxes[next],
+            &pieces[next]);
     widen(&out.rect, pieces[next].rect);
     next++;
   }

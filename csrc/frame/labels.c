@@ -151,35 +151,37 @@ static pl_status label_entity(const pl_labels *labels, const pl_silhouette_job *
 typedef struct group_scratch {
   pl_outline *pieces; /* see pl_outline_of_parts */
   pl_cluster *boxes;
-  pl_extent *parts; /* visible pixels of each part of the object that was looked at last */
-  size_t object;
+  size_t object;      /* the one that was looked at last, of which the parts have */
+  pl_extent *parts;   /* visible pixels of each */
+  pl_cluster *bounds; /* see pl_outline_bound_parts */
 } group_scratch;
 
-static pl_extent seen_of(const pl_labels *labels, const pl_silhouette_job *job,
-                         const pl_part_group *group, group_scratch *scratch) {
-  pl_extent out = PL_EXTENT_NONE;
-  if (scratch->object != group->object) {
-    const pl_extent within = extent_of(labels, group->object);
-    pl_silhouette_see_parts(job, group->object, &within, scratch->parts);
-    scratch->object = group->object;
-  }
-  for (size_t i = 0; i < labels->shot->objects[group->object].object->part_count; i++)
-    if (group->parts[i] != 0)
-      pl_extent_merge(&out, &scratch->parts[i]);
-  return out;
+static void look_at_object(const pl_labels *labels, const pl_silhouette_job *job, size_t object,
+                           group_scratch *scratch) {
+  const pl_extent within = extent_of(labels, object);
+  if (scratch->object == object)
+    return;
+  scratch->object = object;
+  pl_silhouette_see_parts(job, object, &within, scratch->parts);
+  pl_outline_bound_parts(&labels->shot->objects[object], scratch->bounds);
 }
 
 static pl_status label_group(const pl_labels *labels, const pl_silhouette_job *job,
                              const pl_part_group *group, group_scratch *scratch,
                              pl_object_label *label) {
+  const pl_snapshot *shot = labels->shot;
+  pl_extent extent = PL_EXTENT_NONE;
+  look_at_object(labels, job, group->object, scratch);
+  for (size_t i = 0; i < shot->objects[group->object].object->part_count; i++)
+    if (group->parts[i] != 0)
+      pl_extent_merge(&extent, &scratch->parts[i]);
   const pl_outline outline =
-      pl_outline_of_parts(labels->shot, group->object, &labels->outlines[group->object],
+      pl_outline_of_parts(shot, group->object, &labels->outlines[group->object], scratch->bounds,
                           group->parts, scratch->pieces, scratch->boxes);
-  const pl_extent extent = seen_of(labels, job, group, scratch);
   pl_silhouette_job own = *job;
   pl_silhouette silhouette;
   own.parts = group->parts;
-  pl_object_label_fill(labels->shot, group->object, &extent, label);
+  pl_object_label_fill(shot, group->object, &extent, label);
   PL_TRY(pl_silhouette_find(&own, group->object, &outline, &extent, NULL, &silhouette));
   pl_silhouette_label(&silhouette, label);
   return PL_OK;
@@ -190,18 +192,22 @@ static size_t larger(size_t a, size_t b) { return a > b ? a : b; }
 static pl_status label_groups(const pl_labels *labels, const pl_silhouette_job *job,
                               pl_arena *arena) {
   const pl_frame_request *request = labels->request;
-  void *pieces, *boxes, *parts;
-  size_t most_pieces = 1, most_parts = 1;
+  void *pieces, *boxes, *parts, *bounds;
+  size_t most_pieces = 1, most_parts = 1, most_bounds = 1;
   if (request->group_labels == NULL)
     return PL_OK;
   for (size_t i = 0; i < labels->shot->craft_count; i++) {
-    most_pieces = larger(most_pieces, labels->shot->objects[i].piece_count);
-    most_parts = larger(most_parts, labels->shot->objects[i].object->part_count);
+    const pl_shot_object *object = &labels->shot->objects[i];
+    most_pieces = larger(most_pieces, object->piece_count);
+    most_parts = larger(most_parts, object->object->part_count);
+    most_bounds = larger(most_bounds, object->object->part_count * larger(object->piece_count, 1));
   }
   PL_TRY(take(arena, most_pieces, sizeof(pl_outline), &pieces));
   PL_TRY(take(arena, most_pieces, sizeof(pl_cluster), &boxes));
   PL_TRY(take(arena, most_parts, sizeof(pl_extent), &parts));
-  group_scratch scratch = {.pieces = pieces, .boxes = boxes, .parts = parts, .object = SIZE_MAX};
+  PL_TRY(take(arena, most_bounds, sizeof(pl_cluster), &bounds));
+  group_scratch scratch = {
+      .pieces = pieces, .boxes = boxes, .parts = parts, .bounds = bounds, .object = SIZE_MAX};
   for (size_t i = 0; i < request->group_count; i++)
     PL_TRY(label_group(labels, job, &request->groups[i], &scratch, &request->group_labels[i]));
   return PL_OK;

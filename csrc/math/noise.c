@@ -134,9 +134,3 @@ PL_WIDE void pl_noise_gradient_lanes(const pl_point_lanes *points, uint32_t seed
     gradient[2][i] = noise.gradient.z;
   }
 }
-
-/* Fitted to measurements over squares, within 0.02; over discs it is within 0.05. */
-float pl_noise_missed(float width) {
-  const float w = pl_minf(width, 1e3f);
-  return 0.46f * w * w / (1.0f + 0.66f * w * w * w);
-}

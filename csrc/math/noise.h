@@ -48,7 +48,10 @@ PL_WIDE_PART float pl_noise_fade(float width) {
   return u < 1.0f ? rest * rest * rest : 0.0f;
 }
 /* Rms difference between the faded noise and its mean over a footprint, over the noise's standard
- * deviation. */
-float pl_noise_missed(float width);
+ * deviation. Fitted to measurements over squares, within 0.02; over discs it is within 0.05. */
+PL_WIDE_PART float pl_noise_missed(float width) {
+  const float w = pl_minf(width, 1e3f);
+  return 0.46f * w * w / (1.0f + 0.66f * w * w * w);
+}
 
 #endif

@@ -135,22 +135,30 @@ static pl_fractal noise_of(const pl_cloud_cover *cover) {
                       .seed = cover->clouds->seed};
 }
 
-/* Cover for a mean cover of `mean`, over a footprint with a diameter of `width` cells, where the
- * noise that is resolved has a value. */
-static broken break_cover(const pl_cloud_cover *cover, float mean, float width,
-                          const pl_fractal_value *seen) {
-  const pl_clouds *clouds = cover->clouds;
-  float lost = 0.0f, uneven = 0.0f, frequency = 1.0f;
-  for (int i = 0; i < PL_FRACTAL_OCTAVES && (float)i < clouds->octaves; i++) {
-    const float kept = i < cover->detail ? pl_noise_fade(width * frequency) : 0.0f;
+/* What footprints hide of the noise in each lane: its variance, and the squared error that is left,
+ * relative to that of an octave. */
+PL_WIDE static void find_hidden(const pl_cloud_cover *cover, const float *restrict width,
+                                float *restrict lost, float *restrict uneven) {
+  float frequency = 1.0f;
+  PL_EACH_LANE(k) lost[k] = uneven[k] = 0.0f;
+  for (int i = 0; i < PL_FRACTAL_OCTAVES && (float)i < cover->clouds->octaves; i++) {
     const float amplitude = cover->amplitudes[i] / cover->total;
-    lost += amplitude * amplitude * (1.0f - kept * kept);
-    if (i < cover->detail) { /* octaves beyond `detail` are missing from narrower footprints too */
-      const float missed = amplitude * pl_noise_missed(width * frequency);
-      uneven += missed * missed;
+    const bool seen = i < cover->detail; /* others are missing from narrower footprints too */
+    PL_EACH_LANE(k) {
+      const float kept = seen ? pl_noise_fade(width[k] * frequency) : 0.0f;
+      const float missed = seen ? amplitude * pl_noise_missed(width[k] * frequency) : 0.0f;
+      lost[k] += amplitude * amplitude * (1.0f - kept * kept);
+      uneven[k] += missed * missed;
     }
     frequency *= 2.0f;
   }
+}
+
+/* Cover for a mean cover of `mean`, where the noise that is resolved has a value, and what is
+ * hidden is that of find_hidden. */
+static broken break_cover(const pl_cloud_cover *cover, float mean, float lost, float uneven,
+                          const pl_fractal_value *seen) {
+  const pl_clouds *clouds = cover->clouds;
   const float value = cover->scale * seen->value;
   broken out = {.cover = 1.0f, .gradient = pl_vec3f_scale(seen->gradient, cover->scale)};
   lost *= (float)PL_NOISE_VARIANCE;
@@ -242,32 +250,38 @@ static void find_mean(const pl_cloud_cover *cover, sight *sight) {
                  (sight->mean < 1.0f || pl_clouds_uneven(clouds));
 }
 
-/* The resolved noise, of all sights of which one is noisy. */
+/* What the noise is in each lane. */
+typedef struct resolved {
+  pl_fractal_value seen[PL_LANES];
+  float lost[PL_LANES], uneven[PL_LANES]; /* see find_hidden */
+} resolved;
+
 static void find_noise(const pl_cloud_cover *cover, const sight *sights, size_t count, bool tops,
-                       pl_fractal_value out[PL_LANES]) {
+                       resolved *out) {
   const pl_fractal noise = noise_of(cover);
   pl_point_lanes cells;
   float width[PL_LANES], value[PL_LANES];
+  gather(sights, count, 1.0f + fabsf(cover->clouds->warp), &cells, width);
+  find_hidden(cover, width, out->lost, out->uneven);
   if (cover->detail == 0)
     return;
-  gather(sights, count, 1.0f + fabsf(cover->clouds->warp), &cells, width);
   if (tops) {
     for (size_t i = 0; i < count; i++)
-      out[i] = pl_fractal_gradient(&noise, sights[i].cell, width[i]);
+      out->seen[i] = pl_fractal_gradient(&noise, sights[i].cell, width[i]);
     return;
   }
   find_fbm(&noise, &cells, width, count, value);
   for (size_t i = 0; i < count; i++)
-    out[i].value = value[i];
+    out->seen[i].value = value[i];
 }
 
 static pl_cloud_place place_by(const pl_cloud_cover *cover, const sight *sight, bool tops,
-                               const pl_fractal_value *noise) {
+                               const resolved *noise, size_t lane) {
   const pl_clouds *clouds = cover->clouds;
   pl_cloud_place out = {.cover = sight->mean, .depth = clouds->depth};
   if (sight->noisy) {
     const broken b =
-        break_cover(cover, sight->mean, sight->width * (1.0f + fabsf(clouds->warp)), noise);
+        break_cover(cover, sight->mean, noise->lost[lane], noise->uneven[lane], &noise->seen[lane]);
     out.cover = b.cover;
     out.unsure = clouds->opacity * b.unsure;
     if (clouds->depth_spread > 0.0f)
@@ -282,7 +296,7 @@ static pl_cloud_place place_by(const pl_cloud_cover *cover, const sight *sight, 
 void pl_cloud_places(const pl_cloud_cover *cover, const pl_cloud_spot *spots, size_t count,
                      bool tops, pl_cloud_place *out) {
   sight sights[PL_LANES];
-  pl_fractal_value noise[PL_LANES] = {{.value = 0.0f}};
+  resolved noise = {.lost = {0.0f}};
   bool noisy = false;
   if (count == 0)
     return;
@@ -295,9 +309,9 @@ void pl_cloud_places(const pl_cloud_cover *cover, const pl_cloud_spot *spots, si
     noisy |= sights[i].noisy;
   }
   if (noisy)
-    find_noise(cover, sights, count, tops, noise);
+    find_noise(cover, sights, count, tops, &noise);
   for (size_t i = 0; i < count; i++)
-    out[i] = place_by(cover, &sights[i], tops, &noise[i]);
+    out[i] = place_by(cover, &sights[i], tops, &noise, i);
 }
 
 pl_cloud_place pl_cloud_place_at(const pl_cloud_cover *cover, pl_vec3 point, pl_vec3 across,
