@@ -14,7 +14,8 @@ from perilune.export.writers.formats.base import Array, Encoded, Format, Frame, 
 from perilune.export.writers.formats.channels import IMAGE, STACK, Channel
 from perilune.export.writers.formats.info import channels_of
 
-_LEVEL = 4
+_LEVEL = 1
+"""Of deflate: 4 takes a quarter longer, and wins a hundredth."""
 _VECTORS = ("normal", "geometric_normal", "object_coords", "position")
 _ONE = {"depth": "Z", "range": "Z"}
 """Component of channels with one value a pixel; others have V."""

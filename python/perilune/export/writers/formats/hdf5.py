@@ -21,10 +21,9 @@ from perilune.export.writers.formats.base import (
     Record,
 )
 from perilune.export.writers.formats.channels import Channel
-from perilune.export.writers.formats.pixels import from_npy, npy
+from perilune.export.writers.formats.pixels import DEFLATE_LEVEL, deflates, from_npy, npy
 from perilune.simulation import Simulation
 
-_LEVEL = 4
 _RECORD = "record"
 
 
@@ -49,6 +48,13 @@ def _bytes_of_texts(array: Array) -> Array:
     for name, column in columns.items():
         table[name] = column
     return table
+
+
+def _filters(array: Array) -> dict[str, Any]:
+    """How a data set is compressed."""
+    if not array.size or not deflates(array):
+        return {}
+    return {"compression": "gzip", "compression_opts": DEFLATE_LEVEL, "shuffle": True}
 
 
 class Hdf5(Format):
@@ -104,12 +110,8 @@ class Hdf5(Format):
                     )
                     continue
                 array = from_npy(data)
-                packed = {"compression": "gzip", "compression_opts": _LEVEL, "shuffle": True}
                 group.create_dataset(
-                    Path(leaf).stem,
-                    data=array,
-                    track_times=False,
-                    **(packed if array.size else {}),
+                    Path(leaf).stem, data=array, track_times=False, **_filters(array)
                 )
 
     @contextmanager

@@ -9,10 +9,16 @@ from collections.abc import Callable
 
 from perilune.export.writers.formats.base import Array, Encoded, Format, Frame, Info, Record
 from perilune.export.writers.formats.channels import Channel
-from perilune.export.writers.formats.pixels import from_npy, npy
+from perilune.export.writers.formats.pixels import DEFLATE_LEVEL, deflates, from_npy, npy
 
-_LEVEL = 4
 _META = "meta.json"
+
+
+def _add(archive: zipfile.ZipFile, name: str, data: bytes, deflated: bool) -> None:
+    entry = zipfile.ZipInfo(name)  # of 1980-01-01
+    entry.external_attr = 0o644 << 16
+    method = zipfile.ZIP_DEFLATED if deflated else zipfile.ZIP_STORED
+    archive.writestr(entry, data, method, DEFLATE_LEVEL)
 
 
 class Npz(Format):
@@ -30,13 +36,11 @@ class Npz(Format):
     def encode(self, info: Info, frame: Frame) -> Encoded:
         """The archive: no time stamps, so that the same frame has the same bytes."""
         file = io.BytesIO()
+        record = json.dumps(frame.record, sort_keys=True).encode("utf-8")
         with zipfile.ZipFile(file, "w") as archive:
-            members = {f"{name}.npy": npy(array) for name, array in frame.arrays.items()}
-            members[_META] = json.dumps(frame.record, sort_keys=True).encode("utf-8")
-            for name, data in members.items():
-                entry = zipfile.ZipInfo(name)  # of 1980-01-01
-                entry.external_attr = 0o644 << 16
-                archive.writestr(entry, data, zipfile.ZIP_DEFLATED, _LEVEL)
+            for name, array in frame.arrays.items():
+                _add(archive, f"{name}.npy", npy(array), deflates(array))
+            _add(archive, _META, record, True)
         return Encoded({f"{frame.key}.npz": file.getvalue()})
 
     def decode(self, info: Info, record: Record, read: Callable[[str], bytes]) -> dict[str, Array]:

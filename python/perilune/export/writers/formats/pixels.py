@@ -30,6 +30,23 @@ def npy(array: Array) -> bytes:
     return file.getvalue()
 
 
+DEFLATE_LEVEL = 1
+"""Level for arrays: higher ones take up to three times as long, and win a few per cent."""
+_PIECES, _PIECE = 16, 1024
+_WORTH = 0.5
+
+
+def deflates(array: Array) -> bool:
+    """Whether deflate halves an array: of numbers that differ from pixel to pixel in all their
+    bits, as depths, it wins a sixth, and takes longer than rendering them. Tried on some bytes."""
+    data = memoryview(np.ascontiguousarray(array)).cast("B") if array.size else memoryview(b"")
+    if len(data) <= _PIECES * _PIECE:
+        return True
+    step = (len(data) - _PIECE) // (_PIECES - 1)
+    tried = b"".join(data[k * step : k * step + _PIECE] for k in range(_PIECES))
+    return len(zlib.compress(tried, DEFLATE_LEVEL)) < _WORTH * len(tried)
+
+
 def from_npy(data: bytes) -> Array:
     """The array of an NPY file; ValueError for a damaged one."""
     found: Array = np.lib.format.read_array(io.BytesIO(data), allow_pickle=False)
