@@ -1,8 +1,11 @@
-"""What labels and files take beside rendering: CPU time, for the demo and for 300 spacecraft.
+"""What every label and every format takes beside rendering: CPU time, one spacecraft and 300.
 
-A frame of 640x480 pixels with 16 samples: the colour alone; then every label in view; then the
-files of each format. Times are the process's CPU time on one thread, medians of some frames; ratios
-are to the colour alone. Frames are made once for all formats: files do not count rendering.
+A frame of 640x480 pixels with 16 samples, one thread, CPU time of the process, medians of some
+frames. The colour alone is what all ratios are to. `labels` are all label channels of the table of
+channels at once, with objects, masks and tables, in a frame of their own: what a scene has no value
+for is named, and so are channels in which every pixel says so. Files of a format are those of a
+frame with all of these that it can hold, with the picture: encoded, summed, written, and packed.
+The table tells each group of channels, too: what it adds to `depth` alone.
 """
 
 from __future__ import annotations
@@ -10,31 +13,37 @@ from __future__ import annotations
 import argparse
 import math
 import statistics
+import tempfile
 import time
 from collections.abc import Callable
+from contextlib import ExitStack
+from pathlib import Path
 from typing import Any
 
+import numpy as np
 import report
 
 import perilune
-from perilune.export.writers.formats import record as records
-from perilune.export.writers.formats.folder import frame_of
-from perilune.export.writers.formats.info import folder_info
+from perilune import _core
+from perilune.config.errors import ConfigError
+from perilune.document.references import channel_names, check_channels
+from perilune.export.writers.bop import open_bop
+from perilune.export.writers.formats.folder import open_folder
 from perilune.export.writers.formats.tables import FORMATS
+from perilune.export.writers.run import NEXT, Begun, tables_of
 
-LABELS = ["depth", "normal", "semantic", "part", "instance", "objects", "masks"]
-TREE = "hierarchy"
-"""A channel that is timed by itself, as what it adds to the others."""
-MEASURED = ("bop-webdataset", "coco", "yolo", "png", "npz", "exr", "webdataset")
 LIMITS = {1: 0.15, 300: 0.5}
 """Of the colour, at most, for all labels and a format's files."""
 FRAMES = 4
 MODEL = str(report.ROOT / "assets/models/tango_like.glb")
 """A small satellite of 4 352 triangles, which stands 300 times in a view."""
+COLOURS = {row["name"] for row in _core.CHANNELS if row["colour"]}
+BASE = "depth"
 
 
-def scene(count: int) -> perilune.Simulation:
-    """The demo as it is; or this many small satellites, on a lattice in front of its planet."""
+def scene(count: int, frames: int) -> perilune.Simulation:
+    """The demo with some frames a scene; or this many small satellites, on a lattice in front of
+    its planet."""
     sim = perilune.open(report.ROOT / "configs/demo.yaml")
     tree, changes = dict(sim.document.tree), {}
     if count > 1:
@@ -60,9 +69,35 @@ def scene(count: int) -> perilune.Simulation:
         "camera.width": 640,
         "camera.height": 480,
         "render.samples": 16,
-        "render.channels": ["rgb", *LABELS],
+        # Motion needs neighbours; a scene more than the frames that are timed.
+        "time.frames_per_scene": frames + 2,
     }
     return perilune.open(tree, overrides=changes, base=sim.document.base)
+
+
+def is_blank(array: Any) -> bool:
+    """Whether all pixels of a channel say that there is nothing: 0, nan, or off the ground."""
+    if array.dtype.kind == "f":
+        return bool((np.isnan(array) | (array == 0.0)).all())
+    return array.dtype.names is None and len(np.unique(array)) <= 1
+
+
+def labels_of(sim: perilune.Simulation) -> tuple[list[str], list[str]]:
+    """All label channels of the table that a scene gives, and why it does not give the others."""
+    given, refused = [], []
+    for name in channel_names():
+        if name in COLOURS:
+            continue
+        try:
+            check_channels([name], sim.config, name)
+            given.append(name)
+        except ConfigError as error:
+            refused.append(str(error))
+    sample = sim.frame(1, given)
+    pixels = {row["name"] for row in _core.CHANNELS}
+    blank = [name for name in given if name in pixels and is_blank(sample[name])]
+    refused += [f"{name}: has no value in any pixel" for name in blank]
+    return [name for name in given if name not in blank], refused
 
 
 def timed(task: Callable[[], Any]) -> tuple[float, Any]:
@@ -72,35 +107,91 @@ def timed(task: Callable[[], Any]) -> tuple[float, Any]:
     return time.process_time() - start, result
 
 
-def measure(count: int, frames: int) -> dict[str, float]:
-    """Medians in seconds: colour, labels, and files by format."""
-    sim = scene(count)
-    crafts = list(sim.config.spacecraft)
+def groups_of(names: list[str]) -> dict[str, list[str]]:
+    """Channels that share what they cost, and each that is dear alone."""
+    table: dict[str, list[str]] = {}
+    for name in names:
+        stem = "flow" if "flow" in name else name.partition("_")[0]
+        own = stem in ("flow", "coverage", "shadow") or name in ("cloud_opacity", "albedo")
+        own |= name in ("objects", "masks", "hierarchy", "keypoints")
+        table.setdefault(stem if own else "all others", []).append(name)
+    return table
+
+
+class Written:
+    """A dataset of one format in a folder of its own, that is written frame by frame."""
+
+    def __init__(self, name: str, sim: perilune.Simulation, frames: range, held: ExitStack) -> None:
+        root = Path(held.enter_context(tempfile.TemporaryDirectory())) / "data"
+        begun = Begun(sim, root, len(frames) + 1, "train", held, None)
+        if name == "bop":
+            self.job = open_bop(begun)
+        else:
+            self.job = open_folder(FORMATS[name], begun)
+        self.job.find({0: dict(zip(frames, frames, strict=True))}, len(frames) + 1)
+        self.job.begin(0)
+        self.seconds: list[float] = []
+
+    def write(self, sim: perilune.Simulation, sample: perilune.Sample) -> None:
+        """Writes the files of a frame."""
+        names = [name for name in self.job.tables if name != NEXT]
+        tables = tables_of(sim, sample, names, 1)
+        index = sample.meta["index"]
+        self.seconds.append(timed(lambda: self.job.write(index, sample, tables))[0])
+
+    def median(self) -> float:
+        """Seconds a frame, with its part of packing the chunk."""
+        packed, _ = timed(lambda: self.job.end(0))
+        return statistics.median(self.seconds) + packed / len(self.seconds)
+
+
+def open_formats(
+    sim: perilune.Simulation, frames: range, held: ExitStack
+) -> tuple[dict[str, Written], list[str]]:
+    """All formats that can hold something of the scene, and what the others say."""
+    found, refused = {}, []
+    for name in ("bop", *FORMATS):
+        try:
+            own = Written(name, sim, frames, held)
+        except (ConfigError, ValueError) as error:
+            refused.append(str(error))
+            continue
+        if NEXT in own.job.tables:  # it renders the next frame, which is no file's cost
+            refused.append(f"{name}: renders every frame's neighbour")
+            continue
+        found[name] = own
+    return found, refused
+
+
+def measure(count: int, frames: int) -> tuple[dict[str, float], dict[str, float], list[str]]:
+    """Medians in seconds: colour, labels and groups; files by format; what is left out."""
+    sim = scene(count, frames)
+    names, refused = labels_of(sim)
+    sim = perilune.open(
+        sim.document.tree,
+        overrides={"render.channels": ["rgb", *names]},
+        base=sim.document.base,
+    )
     times: dict[str, list[float]] = {}
+    indices = range(1, 1 + frames)
     sim.frame(0, ["rgb"], threads=1)
-    infos = {name: folder_info(FORMATS[name], sim, 1000, "train") for name in MEASURED}
-    for index in range(1, 1 + frames):
-        colour, picture = timed(lambda index=index: sim.frame(index, ["rgb"], threads=1))
-        # Alone, which is more than beside colour: the scene is placed once more.
-        labels, sample = timed(lambda index=index: sim.frame(index, LABELS, threads=1))
-        sample._channels["rgb"] = picture["rgb"]
-        times.setdefault("colour", []).append(colour)
-        times.setdefault("labels", []).append(labels)
-        more, _ = timed(lambda index=index: sim.frame(index, [*LABELS, TREE], threads=1))
-        times.setdefault(TREE, []).append(more - labels)
-        for name in MEASURED:
-
-            def encoded(sample: perilune.Sample = sample, name: str = name) -> Any:
-                base = records.record_of(sample, crafts)
-                frame = frame_of(infos[name], sample, {}, base)
-                return records.text_of({**base, "files": {}}), FORMATS[name].encode(
-                    infos[name], frame
-                )
-
-            spent, _ = timed(encoded)
-            times.setdefault(name, []).append(spent)
-        times.setdefault("seen", []).append(float((sample.objects["px_count_visib"] > 0).sum()))
-    return {name: statistics.median(values) for name, values in times.items()}
+    with ExitStack() as held:
+        written, more = open_formats(sim, indices, held)
+        for index in indices:
+            asked = {"colour": ["rgb"], "labels": names, BASE: [BASE]}
+            asked |= {f"+ {group}": [BASE, *own] for group, own in groups_of(names).items()}
+            for key, own in asked.items():
+                spent, _ = timed(lambda index=index, own=own: sim.frame(index, own, threads=1))
+                base = times[BASE][-1] if key.startswith("+") else 0.0
+                times.setdefault(key, []).append(spent - base)
+            whole = sim.frame(index, ["rgb", *names])
+            seen = float((whole.objects["px_count_visib"] > 0).sum())
+            times.setdefault("seen", []).append(seen)
+            for own_format in written.values():
+                own_format.write(sim, whole)
+        files = {name: own.median() for name, own in written.items()}
+    medians = {name: statistics.median(values) for name, values in times.items()}
+    return medians, files, [*refused, *more]
 
 
 def main() -> None:
@@ -110,18 +201,21 @@ def main() -> None:
     parser.add_argument("--frames", type=int, default=FRAMES)
     given = parser.parse_args()
     for count in given.counts:
-        found = measure(count, given.frames)
-        colour = found.pop("colour")
+        found, files, refused = measure(count, given.frames)
+        colour, labels = found.pop("colour"), found["labels"]
         print(f"{count} spacecraft, {found.pop('seen'):.0f} seen; colour {colour:.2f} s")
         print("| what | s | of colour | with labels |")
         print("| --- | --- | --- | --- |")
         for name, seconds in found.items():
-            both = seconds + (0.0 if name == "labels" else found["labels"])
-            print(f"| {name} | {seconds:.3f} | {seconds / colour:.3f} | {both / colour:.3f} |")
-        dearest = max(value for name, value in found.items() if name not in ("labels", TREE))
-        ratio = (found["labels"] + max(found[TREE], 0.0) + dearest) / colour
+            print(f"| {name} | {seconds:.3f} | {seconds / colour:.3f} | |")
+        for name, seconds in files.items():
+            both = (seconds + labels) / colour
+            print(f"| `{name}` | {seconds:.3f} | {seconds / colour:.3f} | {both:.3f} |")
+        dearest = max(files, key=lambda name: files[name])
         limit = f", limit {LIMITS[count]}" if count in LIMITS else ""
-        print(f"all labels, the hierarchy and the dearest format: {ratio:.3f} of colour{limit}")
+        ratio = (labels + files[dearest]) / colour
+        print(f"all labels and {dearest}, the dearest format: {ratio:.3f} of colour{limit}")
+        print("left out: " + "; ".join(" ".join(text.split()) for text in refused))
 
 
 if __name__ == "__main__":
