@@ -30,7 +30,7 @@ from perilune.document.references import channel_names, check_channels
 from perilune.export.writers.bop import open_bop
 from perilune.export.writers.formats.folder import open_folder
 from perilune.export.writers.formats.tables import FORMATS
-from perilune.export.writers.run import NEXT, Begun, tables_of
+from perilune.export.writers.run import NEXT, Begun, Dataset, tables_of
 
 LIMITS = {1: 0.15, 300: 0.5}
 """Of the colour, at most, for all labels and a format's files."""
@@ -124,10 +124,7 @@ class Written:
     def __init__(self, name: str, sim: perilune.Simulation, frames: range, held: ExitStack) -> None:
         root = Path(held.enter_context(tempfile.TemporaryDirectory())) / "data"
         begun = Begun(sim, root, len(frames) + 1, "train", held, None)
-        if name == "bop":
-            self.job = open_bop(begun)
-        else:
-            self.job = open_folder(FORMATS[name], begun)
+        self.job: Dataset = open_bop(begun) if name == "bop" else open_folder(FORMATS[name], begun)
         self.job.find({0: dict(zip(frames, frames, strict=True))}, len(frames) + 1)
         self.job.begin(0)
         self.seconds: list[float] = []

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import io
 import json
+import warnings
 
 import cv2
 import h5py
@@ -366,3 +367,30 @@ def test_segments_are_those_of_pycocotools(seed):
         assert list(segment.box) == rle.toBbox(encoded).tolist()
         assert rle.frPyObjects(segment.rle(), *shape)["counts"] == encoded["counts"]
         np.testing.assert_array_equal(segment.mask(), mask)
+
+
+def test_arrays_that_deflate_does_not_halve_are_stored(tmp_path):
+    """Noise as it is, ids deflated; both come back, also from tables with texts, without a
+    warning."""
+    from perilune.export.writers.formats.pixels import deflates, from_npy, npy
+    from perilune.export.writers.formats.tables import FORMATS
+
+    noise = np.random.default_rng(1).random((60, 80, 3), dtype=np.float32)
+    ids = np.repeat(np.arange(60, dtype=np.int32), 80).reshape(60, 80)
+    table = np.array([(b"a\xc3\xa9", 1.5)], dtype=[("name", "S8"), ("t", "<f8")])
+    assert not deflates(noise)
+    assert deflates(ids)
+    assert deflates(np.concatenate([noise, np.zeros((90, 80, 3), np.float32)]))
+    assert deflates(np.zeros((0, 4)))
+    hdf5, path = FORMATS["hdf5"], tmp_path / "frames.h5"
+    arrays = {"noise": noise, "ids": ids, "table": table}
+    hdf5.pack({}, path, [(f"000000/{name}.npy", npy(array)) for name, array in arrays.items()])
+    with h5py.File(path) as file:
+        assert file["000000/noise"].compression is None
+        assert file["000000/ids"].compression == "gzip"
+    with warnings.catch_warnings(), hdf5.unpack(path) as reader:
+        warnings.simplefilter("error")
+        for name, array in arrays.items():
+            back = from_npy(reader.read(f"000000/{name}.npy"))
+            assert back.dtype == array.dtype
+            assert np.array_equal(back, array)

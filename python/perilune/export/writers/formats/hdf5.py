@@ -123,6 +123,15 @@ class Hdf5(Format):
             yield _Reader(file)
 
 
+def _without_metadata(array: Array) -> Array:
+    """An array without what h5py notes in the types of texts, which NPY cannot keep."""
+    fields = array.dtype.fields
+    if fields is None:
+        return array.view(array.dtype.str)
+    columns = [(name, field[0].base.str, field[0].shape) for name, field in fields.items()]
+    return array.astype(np.dtype(columns))  # a copy: equal types are not replaced
+
+
 class _Reader:
     """Members of a file as they were before packing."""
 
@@ -140,4 +149,4 @@ class _Reader:
     def read(self, name: str) -> bytes:
         """Content of a member."""
         array = self._file[str(Path(name).with_suffix(""))][()]
-        return bytes(array.tobytes()) if name.endswith(".json") else npy(array)
+        return bytes(array.tobytes()) if name.endswith(".json") else npy(_without_metadata(array))
