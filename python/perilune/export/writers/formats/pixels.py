@@ -39,7 +39,7 @@ _WORTH = 0.5
 def deflates(array: Array) -> bool:
     """Whether deflate halves an array: of numbers that differ from pixel to pixel in all their
     bits, as depths, it wins a sixth, and takes longer than rendering them. Tried on some bytes."""
-    data = memoryview(np.ascontiguousarray(array)).cast("B") if array.size else memoryview(b"")
+    data = array.tobytes()
     if len(data) <= _PIECES * _PIECE:
         return True
     step = (len(data) - _PIECE) // (_PIECES - 1)
