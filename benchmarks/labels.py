@@ -1,11 +1,12 @@
 """What every label and every format takes beside rendering: CPU time, one spacecraft and 300.
 
 A frame of 640x480 pixels with 16 samples, one thread, CPU time of the process, medians of some
-frames. The colour alone is what all ratios are to. `labels` are all label channels of the table of
-channels at once, with objects, masks and tables, in a frame of their own: what a scene has no value
-for is named, and so are channels in which every pixel says so. Files of a format are those of a
-frame with all of these that it can hold, with the picture: encoded, summed, written, and packed.
-The table tells each group of channels, too: what it adds to `depth` alone.
+frames. The colour alone is what all ratios are to. `labels` is what all label channels of the table
+of channels at once, with objects, masks and tables, add to a frame of the colour; `labels alone`
+are a frame of their own, which places the scene and casts a ray through each pixel, too. What a
+scene has no value for is named, and so are channels in which every pixel says so. Files of a format
+are those of a frame with all of these that it can hold, with the picture: encoded, summed, written,
+and packed. The table tells each group of channels, too: what it adds to `depth` alone.
 """
 
 from __future__ import annotations
@@ -175,11 +176,13 @@ def measure(count: int, frames: int) -> tuple[dict[str, float], dict[str, float]
     with ExitStack() as held:
         written, more = open_formats(sim, indices, held)
         for index in indices:
-            asked = {"colour": ["rgb"], "labels": names, BASE: [BASE]}
+            asked = {"colour": ["rgb"], "labels": ["rgb", *names], "labels alone": names}
+            asked[BASE] = [BASE]
             asked |= {f"+ {group}": [BASE, *own] for group, own in groups_of(names).items()}
             for key, own in asked.items():
                 spent, _ = timed(lambda index=index, own=own: sim.frame(index, own, threads=1))
                 base = times[BASE][-1] if key.startswith("+") else 0.0
+                base = times["colour"][-1] if key == "labels" else base
                 times.setdefault(key, []).append(spent - base)
             whole = sim.frame(index, ["rgb", *names])
             seen = float((whole.objects["px_count_visib"] > 0).sum())

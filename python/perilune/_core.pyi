@@ -14,6 +14,24 @@ from typing import Any, Self, final
 import numpy as np
 from numpy.typing import NDArray
 
+from perilune._core_files import (
+    exr_decode as exr_decode,
+)
+from perilune._core_files import (
+    exr_encode as exr_encode,
+)
+from perilune._core_files import (
+    gltf_graphs as gltf_graphs,
+)
+from perilune._core_files import (
+    png_encode as png_encode,
+)
+from perilune._core_files import (
+    png_write as png_write,
+)
+from perilune._core_files import (
+    simplify as simplify,
+)
 from perilune._core_orbit import (
     FORCES as FORCES,
 )
@@ -572,35 +590,6 @@ def band_gather(sun: F64 | None, responses: Sequence[F64], step_um: float) -> Ba
     0 outside; the band is their product. sun: a curve in any scale; None: a black body of 5850 K
     with 0.7 of its light below 0.4 um. step_um: longest piece of the integration. ValueError for
     what is no curve, and a first response that reaches beyond the sun's."""
-
-def png_encode(
-    array: NDArray[Any], level: int = 6, palette: NDArray[np.uint8] | None = None
-) -> bytes:
-    """A PNG of uint8 or uint16 (H, W) or (H, W, 1..4). palette: (n, 3) colours, n to 256, of uint8
-    (H, W); ValueError for a value without a colour."""
-
-def exr_encode(channels: list[tuple[str, NDArray[Any]]], text: str, level: int, /) -> bytes:
-    """An OpenEXR file, ZIP at a level of 1 to 9, of planes (H, W): uint32, float16 or float32.
-    text: the attribute `perilune` of the header."""
-
-def exr_decode(data: bytes, name: str, /) -> dict[str, NDArray[Any]]:
-    """The planes (H, W) of an OpenEXR file of one part, by name: uint32, float16 or float32.
-    ValueError, with `name`, for a damaged file, tiles or subsampled channels."""
-
-def png_write(path: str, array: NDArray[Any], level: int = 6) -> None:
-    """Writes uint8 (H,W), (H,W,3), (H,W,4) or uint16 (H,W); atomic (temporary file and rename)."""
-
-def simplify(
-    positions: NDArray[np.float32], indices: NDArray[np.uint32], target: int, error: float, /
-) -> NDArray[np.uint32]:
-    """Indices (n, 3) of a mesh with `target` triangles, or as few as there can be without moving its
-    surface by more than `error` of its extent. positions (V, 3), which stay; indices (T, 3).
-    ValueError for indices that are no vertex's, and positions that are not finite."""
-
-def gltf_graphs(path: str, /) -> str:
-    """JSON: [{index, name}] of a glTF file's materials, with `graph` of those that are used and
-    have `extras.perilune_graph`; [] when there is none or the file cannot be opened. ValueError for
-    a broken file with graphs, or more than 1 MB of them."""
 
 def allocations() -> int:
     """Allocations the core has made in this process so far; Embree's and NumPy's not counted."""

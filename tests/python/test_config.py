@@ -462,6 +462,7 @@ def test_every_physical_key_has_its_unit():
         "_m_s2",
         "_ga",
         "_m2_per_myr",
+        "_per_m2",
         "_m2_kg",
         "_kg_m2",
         "_h",
@@ -508,6 +509,7 @@ def test_every_physical_key_has_its_unit():
         "coefficient", "exponent", "density", "ellipticity", "irregularity", "model_posts",
         "diffusivity_exponent", "table", "terraces",  # of craters
         "low", "high",  # of factors
+        "pixels", "cover", "border",  # of samples of ground
         "block", "cube", "wedge", "slab", "tablet", "shard", "split", "cobble", "boulder", "egg",
         "breccia", "pitted", "model", "abundance", "least_burial", "most_burial",  # rocks
         "least_depth", "least_kept", "classes",  # of labels
