@@ -42,6 +42,19 @@ static inline float pl_philox_float32(uint32_t word) { return (float)(word >> 8)
 /* Uses the top 53 bits, as numpy.random.Generator.random does. */
 static inline double pl_philox_double(uint64_t word) { return (double)(word >> 11) * 0x1p-53; }
 
+/* Numbers of one key, one after the other. Starts as {.key = {...}}. */
+typedef struct pl_philox_stream {
+  uint64_t key[2], words[4], used;
+} pl_philox_stream;
+
+static inline double pl_philox_next(pl_philox_stream *s) {
+  if (s->used % 4 == 0) {
+    const uint64_t counter[4] = {s->used / 4, 0, 0, 0};
+    pl_philox(s->key, counter, s->words);
+  }
+  return pl_philox_double(s->words[s->used++ % 4]);
+}
+
 /* `count` words in the order of numpy.random.Philox(key=key, counter=counter).random_raw(count):
  * the 256-bit counter (least significant word first) is incremented before each block of four. */
 void pl_philox_fill(const uint64_t key[2], const uint64_t counter[4], size_t count, uint64_t *out);

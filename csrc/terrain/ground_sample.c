@@ -34,20 +34,9 @@ typedef struct clod {
   double top, tilt, round;
 } clod;
 
-/* Numbers of one clod. */
-typedef struct stream {
-  uint64_t key[2], words[4], used;
-} stream;
-
-static double next(stream *s) {
-  if (s->used % 4 == 0) {
-    const uint64_t counter[4] = {s->used / 4, 0, 0, 0};
-    pl_philox(s->key, counter, s->words);
-  }
-  return pl_philox_double(s->words[s->used++ % 4]);
+static double between(pl_philox_stream *s, double low, double high) {
+  return low + (high - low) * pl_philox_next(s);
 }
-
-static double between(stream *s, double low, double high) { return low + (high - low) * next(s); }
 
 static double law(const pl_clods *of, double diameter_m) {
   return of->density * pow(diameter_m / COUNTED_M, -of->exponent);
@@ -63,13 +52,13 @@ double pl_clods_cover(const pl_clods *of) {
 /* Draws clod n: its diameter by the law, cut off at both ends. Heights over widths of Apollo's
  * small fragments scatter as those of rocks do; parts below the soil leave 0.15 to 0.4. */
 static clod draw(const pl_clods *of, uint64_t n) {
-  stream s = {.key = {of->seed ^ UINT64_C(0x636c6f6473), n}};
+  pl_philox_stream s = {.key = {of->seed ^ UINT64_C(0x636c6f6473), n}};
   const double least = law(of, of->max_m), all = law(of, of->min_m);
-  const double share = (least + (all - least) * (1.0 - next(&s))) / of->density;
-  clod out = {.x = of->size_m * next(&s),
-              .y = of->size_m * next(&s),
-              .radius = 0.5 * COUNTED_M * pow(share, -1.0 / of->exponent)};
-  const double turn = 2.0 * PL_PI * next(&s);
+  const double share = (least + (all - least) * (1.0 - pl_philox_next(&s))) / of->density;
+  clod out = {.radius = 0.5 * COUNTED_M * pow(share, -1.0 / of->exponent)};
+  out.x = of->size_m * pl_philox_next(&s); /* initialisers have no order */
+  out.y = of->size_m * pl_philox_next(&s);
+  const double turn = 2.0 * PL_PI * pl_philox_next(&s);
   out.cosine = cos(turn);
   out.sine = sin(turn);
   out.narrow = between(&s, 0.6, 1.0);
@@ -81,7 +70,7 @@ static clod draw(const pl_clods *of, uint64_t n) {
   }
   out.top = between(&s, 0.3, 0.8);
   out.tilt = between(&s, -0.3, 0.3);
-  out.round = next(&s);
+  out.round = pl_philox_next(&s);
   return out;
 }
 

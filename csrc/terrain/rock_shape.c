@@ -29,22 +29,9 @@ const pl_rock_family pl_rock_families[PL_ROCK_FAMILIES] = {
     [PL_ROCK_MODEL] = {"model", "One of the user's models.", 1.0, 1.0, 0, 1.0, 1.0, 2, 0.0, 0.0},
 };
 
-/* A stream of numbers in [0, 1): 24 bits of each of the blocks of a key. */
-typedef struct stream {
-  uint64_t key[2], words[4];
-  uint64_t used;
-} stream;
-
-static double next(stream *s) {
-  if (s->used % 4 == 0) {
-    const uint64_t counter[4] = {s->used / 4, 0, 0, 0};
-    pl_philox(s->key, counter, s->words);
-  }
-  return pl_philox_double(s->words[s->used++ % 4]);
-}
-
-static pl_vec3 next_direction(stream *s) {
-  const double z = 2.0 * next(s) - 1.0, a = 2.0 * PL_PI * next(s), r = sqrt(1.0 - z * z);
+static pl_vec3 next_direction(pl_philox_stream *s) {
+  const double z = 2.0 * pl_philox_next(s) - 1.0, a = 2.0 * PL_PI * pl_philox_next(s),
+               r = sqrt(1.0 - z * z);
   return (pl_vec3){r * cos(a), r * sin(a), z};
 }
 
@@ -52,11 +39,13 @@ static pl_vec3 next_direction(stream *s) {
 #define MOST_DEVIATIONS 3.0
 /* Deviation of the widths of rocks of a family, over their mean. */
 #define WIDTH_SCATTER 0.12
-static double next_normal(stream *s) { return 2.0 * (next(s) + next(s) + next(s) - 1.5); }
+static double next_normal(pl_philox_stream *s) {
+  return 2.0 * (pl_philox_next(s) + pl_philox_next(s) + pl_philox_next(s) - 1.5);
+}
 
 /* The planes of a cube are its faces, somewhat turned; others are random, away from the last ones,
  * so that they do not cut alike. */
-static pl_vec3 next_plane(const pl_rock_variant *ball, int k, stream *s) {
+static pl_vec3 next_plane(const pl_rock_variant *ball, int k, pl_philox_stream *s) {
   if (ball->family == &pl_rock_families[PL_ROCK_CUBE]) {
     const double side = k % 2 == 0 ? 1.0 : -1.0;
     const pl_vec3 face = {k / 2 == 0 ? side : 0.0, k / 2 == 1 ? side : 0.0,
@@ -153,7 +142,7 @@ static void draw_variant(pl_rock_family_kind family, int k, const pl_rock_sphere
                          pl_rock_variant *out) {
   const pl_rock_family *of = &pl_rock_families[family];
   const uint32_t number = (uint32_t)family * PL_ROCK_VARIANTS + (uint32_t)k;
-  stream s = {.key = {UINT64_C(0x76617269616e74), number}};
+  pl_philox_stream s = {.key = {UINT64_C(0x76617269616e74), number}};
   *out = (pl_rock_variant){.family = of,
                            .number = number,
                            .siblings = PL_ROCK_VARIANTS,
@@ -161,7 +150,7 @@ static void draw_variant(pl_rock_family_kind family, int k, const pl_rock_sphere
                            .seed = 16 * number};
   for (int n = 0; n < of->planes; n++) {
     const pl_vec3 normal = next_plane(out, n, &s);
-    const double distance = of->nearest + (of->furthest - of->nearest) * next(&s);
+    const double distance = of->nearest + (of->furthest - of->nearest) * pl_philox_next(&s);
     out->normals[n] = pl_vec3_scale(normal, 1.0 / distance);
   }
   probe(sphere, out);
@@ -209,7 +198,7 @@ pl_status pl_rock_variants_create(const pl_rock_sphere *spheres, const pl_rock_s
 
 void pl_rock_shape_draw(const pl_rock_variant *variants, pl_rock_family_kind family,
                         const uint64_t words[3], pl_rock_shape *out) {
-  stream s = {.key = {words[0], words[1]}};
+  pl_philox_stream s = {.key = {words[0], words[1]}};
   const pl_rock_family *of = &pl_rock_families[family];
   const double width = fmax(of->width * (1.0 + WIDTH_SCATTER * next_normal(&s)), 0.3);
   const double height = fmax(of->height * (1.0 + 0.18 * next_normal(&s)), 0.15);
