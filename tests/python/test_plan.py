@@ -154,8 +154,10 @@ def test_pictures_keep_the_exposure_of_the_frame(exposure: dict[str, Any]) -> No
         {"tolerance_dn": 255.0, "samples": 2},
     ],
 )
+@pytest.mark.filterwarnings("error::perilune.config.errors.ConfigWarning")
 def test_measuring_under_all_settings(render: dict[str, Any]) -> None:
-    changes = {"camera.width": 8, "camera.height": 6} | {
+    """Without a word on the exposure that pictures have in place of the scene's own."""
+    changes = {"camera.width": 8, "camera.height": 6, "camera.exposure.key": 0.7} | {
         f"render.{k}": v for k, v in render.items()
     }
     rows = perilune.open(SCENE, overrides=changes).plan(1, measure=True, threads=1)

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import time
+import warnings
 from typing import TYPE_CHECKING, Any
 
+from perilune.config.errors import ConfigWarning
 from perilune.cost.kept import Progress
 from perilune.cost.knobs import OF_CHANCE
 from perilune.cost.pictures import Camera, Shot, difference, without_noise
@@ -84,6 +86,12 @@ class Rows:
         """Adds to each row that can matter what the effect takes and changes; returns how far two
         measurements of the same frame differ, ms."""
         there = [row for row in rows if row["ceiling"] > 0 and row["name"] not in OF_CHANCE]
+        with warnings.catch_warnings():
+            # Of our own overrides: what the configuration has to tell was told when it opened.
+            warnings.simplefilter("ignore", ConfigWarning)
+            return self._measured(there, progress)
+
+    def _measured(self, there: list[PlanRow], progress: Progress | None) -> float:
         planned, before_ms = self._pictures(self._changes())
         found: list[tuple[PlanRow, float]] = []
         for done, row in enumerate(there, 1):
