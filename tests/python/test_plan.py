@@ -66,6 +66,20 @@ def test_a_row_pays_with_what_others_left() -> None:
     assert any("is left" in row["reason"] for row in kept)
 
 
+def test_an_exposure_in_motion_takes_what_its_worst_instant_does() -> None:
+    """The plan of moving frames is the largest of those of several instants, row by row."""
+    moving: dict[str, Any] = {"camera.exposure_time_s": 2.0, "render.tolerance_dn": 245.0}
+    moving["render.force_on"] = ["motion_blur"]
+    rows = perilune.open(SCENE, overrides=SMALL | moving).plan(1)
+    assert next(row["on"] for row in rows if row["name"] == "motion_blur")
+    assert any(row["spent_dn"] > 0.0 for row in rows)
+    for row in rows:
+        assert row["spent_dn"] in (0.0, row["residual_dn"])
+        assert row["spent_dn"] <= 245.0
+        if applies(row) and row["value"] < row["ceiling"]:
+            assert row["spent_dn"] == row["residual_dn"]
+
+
 def test_states_and_totals() -> None:
     def row(on: bool, value: int, ceiling: int, spent: float = 0.0) -> dict[str, Any]:
         return {"on": on, "value": value, "ceiling": ceiling, "spent_dn": spent, "cost_ms": 2.0}

@@ -12,12 +12,8 @@ from perilune.cli.command import OK, Command
 from perilune.cli.options import add_config, add_frame, add_threads, open_simulation
 from perilune.cli.progress import Bar
 from perilune.cli.text_table import text_table
-from perilune.frame.plan_rows import number, state, totals
+from perilune.frame.plan_rows import REASON, cells, columns, totals
 from perilune.orbits.almanac import sources
-
-_COLUMNS = ("effect", "state", "bound", "leaves", "cost", "reason")
-_MEASURED = ("takes", "changes", "99.9 %")
-_RIGHT = {"bound", "leaves", "cost", *_MEASURED}
 
 
 def _configure(parser: ArgumentParser) -> None:
@@ -60,18 +56,10 @@ def _json_plan(rows: Sequence[Any]) -> dict[str, Any]:
     }
 
 
-def _cells(row: Any, measured: bool) -> list[str]:
-    found = [row["name"], state(row), number(row["bound_dn"], "DN")]
-    found += [number(row["residual_dn"], "DN"), number(row["cost_ms"], "ms")]
-    if measured:
-        found += [number(row.get("measured_ms"), "ms")]
-        found += [number(row.get(f"measured_{key}"), "DN") for key in ("dn", "p999_dn")]
-    return [*found, row["reason"]]
-
-
-def _table(rows: Sequence[Any], measured: bool) -> str:
-    names = (*_COLUMNS[:-1], *(_MEASURED if measured else ()), _COLUMNS[-1])
-    return text_table(names, [_cells(row, measured) for row in rows], _RIGHT)
+def _table(rows: Sequence[Any]) -> str:
+    names = columns(rows)
+    right = set(names) - {"effect", "state", REASON}
+    return text_table(names, [cells(row, names) for row in rows], right)
 
 
 def _run(args: Namespace) -> int:
@@ -81,7 +69,7 @@ def _run(args: Namespace) -> int:
     if args.json:
         print(json.dumps(_json_plan(rows), indent=2))
         return OK
-    print(_table(rows, args.measure))
+    print(_table(rows))
     print(rows.text)
     for key, text in sources(sim.config).items():
         if key != "sun" and text.startswith("series"):

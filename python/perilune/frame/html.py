@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from numpy.typing import NDArray
 
 from perilune.base.html import folded, heading, table, whole
-from perilune.frame.plan_rows import applies, number, state
+from perilune.frame.plan_rows import applies, cells, columns, state
 
 if TYPE_CHECKING:
     from perilune.frame.labels import Taxonomy
@@ -47,26 +47,10 @@ _REDUCED = "rgba(210,153,34,0.22)"
 def plan_table(rows: Sequence[Mapping[str, Any]]) -> str:
     """Effects of a plan, those that are on first, then those that were left out, then those that
     the scene does not have; a colour for each state."""
-    measured = any("measured_ms" in row for row in rows)
     ordered = sorted(rows, key=lambda row: (not row["on"], not applies(row)))
-    cells = []
-    for row in ordered:
-        found = [row["name"], state(row), number(row["bound_dn"], "DN")]
-        found += [number(row["residual_dn"], "DN"), number(row["cost_ms"], "ms")]
-        if measured:
-            found += [number(row.get("measured_ms"), "ms"), number(row.get("measured_dn"), "DN")]
-        cells.append([*found, row["reason"]])
-    columns = (
-        "effect",
-        "",
-        "bound",
-        "leaves",
-        "cost",
-        *(("takes", "changes") * measured),
-        "reason",
-    )
+    names = columns(rows)
     tints = [_TINTS.get(state(row), _REDUCED) for row in ordered]
-    return table(columns, cells, most=100, tints=tints)
+    return table(names, [cells(row, names) for row in ordered], most=100, tints=tints)
 
 
 def plan_html(rows: Sequence[Mapping[str, Any]], told: str) -> str:

@@ -28,6 +28,33 @@ def number(value: float | None, unit: str) -> str:
     return f"{value:.3g} {unit}" if known else "–"
 
 
+COLUMNS = ("effect", "state", "bound", "leaves", "cost")
+MEASURED = ("takes", "changes", "99.9 %")
+REASON = "reason"
+
+
+def columns(rows: Sequence[Row]) -> tuple[str, ...]:
+    """Names of the columns of a table; those of measurements if there are any."""
+    measured = any("measured_ms" in row for row in rows)
+    return (*COLUMNS, *(MEASURED if measured else ()), REASON)
+
+
+def cells(row: Row, names: Sequence[str]) -> list[str]:
+    """Texts of a row in some of the columns."""
+    found = {
+        "effect": row["name"],
+        "state": state(row),
+        "bound": number(row["bound_dn"], "DN"),
+        "leaves": number(row["residual_dn"], "DN"),
+        "cost": number(row["cost_ms"], "ms"),
+        "takes": number(row.get("measured_ms"), "ms"),
+        "changes": number(row.get("measured_dn"), "DN"),
+        "99.9 %": number(row.get("measured_p999_dn"), "DN"),
+        REASON: row["reason"],
+    }
+    return [found[name] for name in names]
+
+
 @dataclass(frozen=True)
 class Totals:
     """Numbers of rows by state, and their sums."""
