@@ -78,8 +78,9 @@ static void test_slopes(void **state) {
         pl_ground_texture_slope(&texture, RADIUS_M, random_direction(&random), 0.0, INFINITY);
     sum += 0.5 * pl_vec3_dot(s, s) / draws;
   }
-  /* Weights that change within two waves add some. */
-  assert_true(fabs(sum / stated - 1.06) < PL_DRAWS(0.09, 0.5));
+  /* The stated variance leaves out that weights of patches change: an eighth more for waves as long
+   * as half a patch, as here, and less for shorter ones. */
+  assert_true(fabs(sum / stated - 1.12) < PL_DRAWS(0.03, 0.5));
   /* Footprints of four periods have none, and the bound holds. */
   assert_true(pl_ground_texture_variance(&texture, 3.2) < 0.02 * stated);
   assert_true(pl_ground_texture_bound_m(&texture) >= 0.02);

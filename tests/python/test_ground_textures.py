@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -272,3 +273,27 @@ def test_textures_that_cannot_be_made_are_refused(texture: dict[str, Any], messa
     rows = {"bodies.moon.terrain.textures": [{"size_m": 2.0, **texture}]}
     with pytest.raises(ConfigError, match=message):
         perilune.open("configs/lunar_rover.yaml", overrides=rows).terrain(0)
+
+
+CLODS = {"seed": 3, "pixels": 64, "size_m": 2.0, "min_diameter_m": 0.008, "max_diameter_m": 0.04,
+         "density_per_m2": 200.0, "exponent": 2.3}  # fmt: skip
+MOTTLING = {"seed": 1, "pixels": 64, "cover": 0.5, "border": 1.0, "hurst": 0.5}
+ODD = (math.nan, math.inf, -1.0, 0.0, 1e300, 1e-300, -1, 2**40, 2**64, 2**70, "8", None)
+
+
+@pytest.mark.parametrize(("name", "good"), [("clods", CLODS), ("mottling", MOTTLING)])
+def test_the_core_refuses_samples_or_makes_finite_ones(name, good):
+    """Whatever one of the settings is, and for what is no mapping."""
+    make = getattr(_core, name)
+    assert np.isfinite(make(good)).all()
+    refused = 0
+    for key in good:
+        for value in ODD:
+            try:
+                assert np.isfinite(make({**good, key: value})).all(), (key, value)
+            except (TypeError, ValueError, OverflowError):
+                refused += 1
+    assert refused > 6 * len(good)
+    for odd in (5, None, {}):
+        with pytest.raises((TypeError, KeyError, ValueError)):
+            make(odd)
