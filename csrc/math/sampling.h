@@ -50,7 +50,6 @@ static inline pl_vec3f pl_sample_disc(float u, float v) {
   const float angle = 0.25f * PL_PI_F * (a / b);
   return pl_vec3f_make(b * sinf(angle), b * cosf(angle), 0.0f);
 }
-#define PL_DISC_PDF (1.0f / PL_PI_F)
 
 /* Direction about +z with density cos(theta)/pi; z > 0 except on the rim (Malley's method). */
 static inline pl_vec3f pl_sample_cosine_hemisphere(float u, float v) {

@@ -328,7 +328,7 @@ typedef struct waiting {
   float *passed[PL_LANES]; /* transmittance of the ray */
 } waiting;
 
-static void settle(const cloud_item *item, waiting *w) {
+static void pass_waiting(const cloud_item *item, waiting *w) {
   pl_cloud_place seen[PL_LANES];
   pl_cloud_places(&item->cover, w->spots, w->count, false, seen);
   for (size_t i = 0; i < w->count; i++) {
@@ -351,7 +351,7 @@ static void pass_item(const cloud_item *item, const pl_snapshot *shot, const pl_
     w->spots[w->count] =
         meet_shell(item, &m, m.t[k], (float)(m.t[k] * (double)rays->spread), &w->places[w->count]);
     if (++w->count == PL_LANES)
-      settle(item, w);
+      pass_waiting(item, w);
   }
 }
 
@@ -366,7 +366,7 @@ void pl_cloud_pass(const pl_snapshot *shot, const pl_cloud_rays *rays, float *tr
     for (size_t k = 0; k < rays->count; k++)
       pass_item(&item, shot, rays, k, &w, &transmittance[k]);
     if (w.count > 0)
-      settle(&item, &w);
+      pass_waiting(&item, &w);
   }
 }
 
