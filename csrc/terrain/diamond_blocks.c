@@ -97,8 +97,8 @@ typedef struct row_law {
 
 static row_law law_of_row(const pl_diamond_square *of, const pl_diamond_weights *weights, int level,
                           int64_t j) {
-  const pl_raster_frame *frame = pl_raster_frame_of(of->raster);
-  const double y = frame->y0 + ldexp((double)j, -level) * frame->dy;
+  const int64_t row = j + of->down->first * ((int64_t)1 << level);
+  const double y = pl_raster_axis_lattice(of->down, ldexp((double)row, -level));
   const double ratio = of->post_ratio * (of->curved ? fabs(cos(y)) : 1.0);
   const double place =
       fmin(fmax(4.0 * (log2(fmax(ratio, 1e-9)) + 4.0), 0.0), PL_DIAMOND_RATIOS - 1.0);
@@ -130,8 +130,8 @@ typedef struct work {
 
 static double random_m(const work *w, int i, int j, double deviation_m) {
   const int64_t nodes = (int64_t)1 << w->level;
-  const int64_t row = w->first_j + j - REACH + nodes * w->of->top;
-  int64_t column = w->first_i + i - REACH + nodes * w->of->left;
+  const int64_t row = w->first_j + j - REACH + nodes * w->of->down->first;
+  int64_t column = w->first_i + i - REACH + nodes * w->of->across->first;
   if (w->columns > 0) {
     column %= w->columns;
     column += column < 0 ? w->columns : 0;
@@ -190,7 +190,7 @@ static void refine(const pl_diamond_square *of, const pl_diamond_weights *weight
   w.first_j = out->j * SIDE - APRON;
   w.from_i = (int)(w.first_i / 2 - (parent->i * SIDE - APRON));
   w.from_j = (int)(w.first_j / 2 - (parent->j * SIDE - APRON));
-  w.columns = of->period << out->level;
+  w.columns = of->across->period << out->level;
   for (int j = 0; j < WIDE; j++)
     w.rows[j] = of->curved || j == 0 ? law_of_row(of, weights, out->level, w.first_j + j - REACH)
                                      : w.rows[0];

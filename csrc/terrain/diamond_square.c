@@ -12,8 +12,6 @@
 #define BEYOND (9.0 / 16.0)
 /* Heights are cut off at this many standard deviations, as those of terrain/fractal_detail.h. */
 #define BOUND 6.0
-/* Posts are counted up to this many: places of all levels then fit into 63 bits. */
-#define MOST 1e9
 
 /* ---- the law on the lattice ----------------------------------------------------------------- */
 
@@ -61,28 +59,19 @@ static double bound_m(const pl_diamond_square *of, const pl_diamond_weights *wei
   return BEYOND * (high - low) + BOUND * sqrt(variance);
 }
 
-/* Steps from the origin of the projection, of which posts are at whole or at half ones: neither is
- * near rounding up. */
-static int64_t steps(double place, double step) {
-  return (int64_t)fmin(fmax(floor(place / step + 0.25), -MOST), MOST);
-}
-
 void pl_diamond_square_init(const pl_raster *raster, pl_raster_interpolation interpolation,
                             const pl_terrain_detail *law, const pl_diamond_weights *weights,
                             double radius_m, pl_diamond_square *out) {
   static atomic_ullong numbers;
   const pl_raster_frame *frame = pl_raster_frame_of(raster);
   const double ratio = fabs(frame->dx / frame->dy);
-  const double turn = 2.0 * PL_PI / fabs(frame->dx);
   *out = (pl_diamond_square){.raster = raster, .interpolation = interpolation};
   out->number = atomic_fetch_add(&numbers, 1) + 1;
   out->curved = frame->projection.kind == PL_PROJECTION_CYLINDRICAL;
   out->post_ratio = ratio;
   out->spacing_m = pl_raster_spacing_m(raster, radius_m);
-  out->period =
-      out->curved && turn < MOST && fabs(turn - rint(turn)) < 1e-6 * turn ? llrint(turn) : 0;
-  out->left = steps(frame->x0, frame->dx);
-  out->top = steps(frame->y0, frame->dy);
+  out->across = pl_raster_across(raster);
+  out->down = pl_raster_down(raster);
   set_levels(law, out->curved ? out->spacing_m : out->spacing_m / sqrt(ratio), out);
   out->add_m = bound_m(out, weights);
 }

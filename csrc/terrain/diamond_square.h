@@ -34,9 +34,8 @@ typedef struct pl_diamond_square {
   pl_raster_interpolation interpolation;
   uint64_t number; /* no other in the process has it: key of what threads keep */
   double spacing_m;
-  bool curved;       /* cells narrow towards the poles */
-  int64_t period;    /* columns around the body; 0: it does not wrap */
-  int64_t left, top; /* place of the first post in the lattice of the projection */
+  bool curved;                         /* cells narrow towards the poles */
+  const pl_raster_axis *across, *down; /* lattices of the raster, borrowed */
   double post_ratio; /* width of cells over their height, at the equator of a cylindrical map */
   double add_m;      /* no displacement is greater: a bound that heights are cut at */
   /* By level, from 1 on: hash of its random numbers; nu over half a cell along y of the level

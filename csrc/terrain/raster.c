@@ -51,6 +51,9 @@ static pl_status check_place(const pl_raster_frame *f) {
   return PL_OK;
 }
 
+/* Steps that fit a turn but for rounding are made to: a cut has those of the whole. */
+static const double STEP_FIT = 1e-9;
+
 /* Finds whether the raster goes around the body, and over its poles. */
 static void connect(pl_raster *r) {
   pl_raster_frame *f = &r->frame;
@@ -60,10 +63,11 @@ static void connect(pl_raster *r) {
     return;
   const double turn = 2.0 * PL_PI / fabs(f->dx), count = rint(turn);
   r->wraps = fabs(turn - count) <= FIT && (double)f->width >= count;
+  if (r->wraps || fabs(turn - count) <= fmin(STEP_FIT * turn, FIT))
+    f->dx = copysign(2.0 * PL_PI / count, f->dx);
   if (!r->wraps)
     return;
   r->columns = (int)count;
-  f->dx = copysign(2.0 * PL_PI / count, f->dx);
   for (int end = 0; end < 2; end++) {
     const double pole = (end == 0) == (f->dy < 0.0) ? 0.5 * PL_PI : -0.5 * PL_PI;
     const double row = (pole - f->y0) / f->dy, beyond = end == 0 ? -row : row - (r->rows - 1);
@@ -72,11 +76,14 @@ static void connect(pl_raster *r) {
   }
 }
 
-/* Rounding of directions (a few times DBL_EPSILON) in posts, at least 1e-9. */
-static void set_snap(pl_raster *r) {
+/* Sets the lattices, and the rounding of directions (a few times DBL_EPSILON) in posts, at least
+ * 1e-9. */
+static void set_axes(pl_raster *r) {
   const pl_raster_frame *f = &r->frame;
-  const double size =
-      f->projection.kind == PL_PROJECTION_CYLINDRICAL ? 2.0 * PL_PI : f->projection.radius_m;
+  const bool around = f->projection.kind == PL_PROJECTION_CYLINDRICAL;
+  const double size = around ? 2.0 * PL_PI : f->projection.radius_m;
+  pl_raster_axis_init(f->x0, f->dx, size, around, &r->across);
+  pl_raster_axis_init(f->y0, f->dy, size, false, &r->down);
   r->snap_u = fmin(1e-9 + 4.0 * DBL_EPSILON * size / fabs(f->dx), 1e-3);
   r->snap_v = fmin(1e-9 + 4.0 * DBL_EPSILON * size / fabs(f->dy), 1e-3);
 }
@@ -134,7 +141,7 @@ static pl_status make(pl_raster *r) {
   PL_TRY(check_size(&r->frame));
   PL_TRY(check_place(&r->frame));
   connect(r);
-  set_snap(r);
+  set_axes(r);
   set_reach(r);
   PL_TRY(pl_alloc_or_fail(lay_out(r), sizeof(float), "means of a raster", &memory));
   r->memory = memory;

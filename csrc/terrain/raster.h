@@ -7,6 +7,7 @@
 
 #include "base/status.h"
 #include "terrain/projection.h"
+#include "terrain/raster_axis.h"
 
 typedef enum pl_raster_type {
   PL_RASTER_UINT8,
@@ -44,6 +45,9 @@ typedef struct pl_raster pl_raster;
 pl_status pl_raster_create(const pl_raster_frame *frame, pl_raster **out);
 void pl_raster_destroy(pl_raster *raster);
 const pl_raster_frame *pl_raster_frame_of(const pl_raster *raster);
+/* Lattices of its columns and rows. */
+const pl_raster_axis *pl_raster_across(const pl_raster *raster);
+const pl_raster_axis *pl_raster_down(const pl_raster *raster);
 
 /* Distance of posts on a body of this radius, m: along the meridian for the cylindrical kind, else
  * the geometric mean of both directions at the centre. */

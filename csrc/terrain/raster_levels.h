@@ -17,7 +17,8 @@ typedef struct pl_raster_level {
 
 struct pl_raster {
   pl_raster_frame frame;
-  bool wraps;      /* column `columns` is column 0 */
+  pl_raster_axis across, down; /* lattices of columns and rows */
+  bool wraps;                  /* column `columns` is column 0 */
   bool crosses[2]; /* whether rows continue beyond the pole before the first row, after the last */
   double pole_rows[2]; /* rows of these poles: of a post, or half a post beyond it */
   int columns, rows;   /* without a column that repeats the first */

@@ -7,6 +7,10 @@
 
 const pl_raster_frame *pl_raster_frame_of(const pl_raster *r) { return &r->frame; }
 
+const pl_raster_axis *pl_raster_across(const pl_raster *r) { return &r->across; }
+
+const pl_raster_axis *pl_raster_down(const pl_raster *r) { return &r->down; }
+
 int pl_raster_levels(const pl_raster *r) { return r->level_count; }
 
 bool pl_raster_whole(const pl_raster *r) { return r->wraps && r->crosses[0] && r->crosses[1]; }
@@ -28,17 +32,11 @@ static double snapped(double u, double within) {
 }
 
 bool pl_raster_find(const pl_raster *r, pl_vec3 direction, double *u, double *v) {
-  const pl_raster_frame *f = &r->frame;
   double x, y;
-  if (!pl_projection_forward(&f->projection, direction, &x, &y))
+  if (!pl_projection_forward(&r->frame.projection, direction, &x, &y))
     return false;
-  double column = (x - f->x0) / f->dx;
-  if (f->projection.kind == PL_PROJECTION_CYLINDRICAL) { /* the turn that is nearest its middle */
-    const double turn = 2.0 * PL_PI / fabs(f->dx);
-    column -= turn * rint((column - 0.5 * (r->columns - 1)) / turn);
-  }
-  *u = snapped(column, r->snap_u);
-  *v = snapped((y - f->y0) / f->dy, r->snap_v);
+  *u = snapped(pl_raster_axis_column(&r->across, x, 0.5 * (r->columns - 1)), r->snap_u);
+  *v = snapped(pl_raster_axis_column(&r->down, y, 0.0), r->snap_v);
   return (r->wraps || (*u >= -0.5 && *u <= r->columns - 0.5)) && (r->crosses[0] || *v >= -0.5) &&
          (r->crosses[1] || *v <= r->rows - 0.5);
 }
@@ -70,8 +68,8 @@ bool pl_raster_far(const pl_raster *r, pl_vec3 direction, double distance) {
 }
 
 pl_vec3 pl_raster_direction(const pl_raster *r, double u, double v) {
-  const pl_raster_frame *f = &r->frame;
-  return pl_projection_inverse(&f->projection, f->x0 + u * f->dx, f->y0 + v * f->dy);
+  return pl_projection_inverse(&r->frame.projection, pl_raster_axis_place(&r->across, u),
+                               pl_raster_axis_place(&r->down, v));
 }
 
 /* 0 at 0, 1 from 1 on; first and second derivatives vanish at both. */

@@ -236,24 +236,57 @@ def test_no_direction_has_more_energy_at_any_hurst_exponent(hurst: float) -> Non
     np.testing.assert_allclose(np.mean(found, axis=0) / expected, 1.0, atol=0.1)
 
 
-def test_diamond_square_does_not_know_where_a_raster_is_cut() -> None:
-    """Away from its border a part of a raster has the heights of the whole; in any order, alone
-    or beside others; and those of another seed are others."""
-    samples = np.random.default_rng(3).normal(0.0, 5.0, (64, 64))
-    whole = patch(samples, 8.0)
-    part = _core.Raster(
-        samples[10:50, 20:60].astype(np.float32), "orthographic", -252.0 + 160.0, 252.0 - 80.0,
-        8.0, -8.0, lon0_rad=0.3, lat0_rad=0.2, radius_m=RADIUS_M,
-    )  # fmt: skip
+@pytest.mark.parametrize("method", ["noise", "diamond_square"])
+@pytest.mark.parametrize("interpolation", ["bilinear", "cubic"])
+@pytest.mark.parametrize(
+    ("projection", "x0", "y0", "step", "middle"),
+    [
+        ("orthographic", -252.0, 252.0, 8.0, (0.3, 0.2)),
+        ("orthographic", -1e4 / 3.0, 2e4 / 7.0, 100.0 / 3.0, (-2.0, -1.1)),
+        ("stereographic", 1e5 + 0.25, -7e4, 20.0, (1.0, 1.5707963267948966)),
+        ("cylindrical", math.radians(160.125), math.radians(70.125), math.radians(0.25), ()),
+        ("cylindrical", math.radians(169.1), math.radians(-40.7), 2.0 * math.pi / 1087.0, ()),
+    ],
+)
+def test_a_part_of_a_raster_has_the_bits_of_the_whole(
+    method: str,
+    interpolation: str,
+    projection: str,
+    x0: float,
+    y0: float,
+    step: float,
+    middle: tuple[float, ...],
+) -> None:
+    """Away from its border, over the date line too, wherever its first post is."""
+    rng = np.random.default_rng(3)
+    samples = rng.normal(0.0, 5.0, (64, 128)).astype(np.float32)
+    frame = dict(zip(("lon0_rad", "lat0_rad"), middle, strict=False))
+    frame |= {"radius_m": RADIUS_M} if middle else {}
+    whole = _core.Raster(samples, projection, x0, y0, step, -step, **frame)
+    detail = law(0.8, 5, 0.05, method)
+    large = _core.Terrain(RADII_M, [(whole, interpolation, 0.0, 0.0)], detail)
+    for left, top in ((1, 2), (60, 13), (87, 24)):
+        cut = np.ascontiguousarray(samples[top : top + 40, left : left + 41])
+        start = (x0 + left * step, y0 - top * step)
+        part = _core.Raster(cut, projection, *start, step, -step, **frame)
+        small = _core.Terrain(RADII_M, [(part, interpolation, 0.0, 0.0)], detail)
+        posts = rng.integers(13, 26, (9, 2)).astype(float)
+        at = part.directions(np.concatenate([rng.uniform(13.0, 26.0, (25, 2)), posts]))
+        for cell_m in (0.01, 0.3 * whole.spacing_m(RADIUS_M)):
+            assert np.array_equal(small.heights(at, cell_m), large.heights(at, cell_m))
+
+
+def test_diamond_square_in_any_order() -> None:
+    """The same bits alone or beside others; those of another seed are others."""
+    whole = patch(np.random.default_rng(3).normal(0.0, 5.0, (64, 64)), 8.0)
     rng = np.random.default_rng(4)
-    at = part.directions(rng.uniform(13.0, 26.0, (400, 2)))
+    at = whole.directions(rng.uniform(23.0, 36.0, (400, 2)))
     given = law(0.8, 5, 0.05, "diamond_square")
-    large, small, other = (
-        _core.Terrain(RADII_M, [(raster, "cubic", 0.0, 0.0)], detail)
-        for raster, detail in ((whole, given), (part, given), (part, given | {"seed": 6}))
+    large, other = (
+        _core.Terrain(RADII_M, [(whole, "cubic", 0.0, 0.0)], detail)
+        for detail in (given, given | {"seed": 6})
     )
     h = large.heights(at)
-    np.testing.assert_allclose(small.heights(at), h, rtol=0.0, atol=1e-6)
     assert np.abs(other.heights(at) - h).max() > 0.1
     order = rng.permutation(len(at))
     assert np.array_equal(large.heights(at[order]), h[order])
