@@ -2,12 +2,14 @@
 #include "frame/measure.h"
 
 #include "frame/instant.h"
+#include "frame/renderer.h"
 #include "frame/scan.h"
 #include "light/sun.h"
 #include "render/coverage_mask.h"
 #include "render/geometry.h"
 #include "render/render.h"
 #include "terrain/cube.h"
+#include "trace/ray_log.h"
 
 typedef struct rays {
   pl_ray *items; /* in the arena */
@@ -62,17 +64,22 @@ static pl_status room_for(bench *b, size_t count, rays *out) {
   return out->items != NULL ? PL_OK : pl_fail(PL_E_MEMORY, "out of memory for rays");
 }
 
+/* The instant of the surveyed placement, with all of its terrain and meshes. */
+static pl_status realise_whole(bench *b, const pl_instant **out) {
+  const pl_choice choice = {
+      .terrain_levels = PL_CUBE_LEVELS,
+      .threads = 1,
+      .settings.effects = {.far_casters = 1, .distortion = 1, .depth_of_field = 1}};
+  return pl_realise(b->kept, &b->survey, &choice, &b->arena, out);
+}
+
 static pl_status measure_pixels(bench *b) {
   const size_t pixels = (size_t)b->survey.view.width * (size_t)b->survey.view.height;
   rays first, second;
   PL_TRY(room_for(b, pixels, &first));
   PL_TRY(room_for(b, pixels, &second));
-  const pl_choice choice = {
-      .terrain_levels = PL_CUBE_LEVELS,
-      .threads = 1,
-      .settings.effects = {.far_casters = 1, .distortion = 1, .depth_of_field = 1}};
   const pl_instant *instant;
-  PL_TRY(pl_realise(b->kept, &b->survey, &choice, &b->arena, &instant));
+  PL_TRY(realise_whole(b, &instant));
   const pl_snapshot *shot = &instant->shot;
   const pl_tracer *tracer = instant->tracer;
   PL_TRY(pl_coverage_update(&b->coverage, shot, 0, shot->rays.camera.height, 1, 1));
@@ -131,6 +138,45 @@ pl_status pl_measure_rays(const pl_scene *scene, const pl_placement *placement, 
                           pl_ray_times *primary, pl_ray_times *shadow) {
   bench b = {.repeats = repeats, .primary = primary, .shadow = shadow};
   return measure(scene, placement, &b);
+}
+
+static pl_status render_logged(pl_renderer *renderer, const pl_frame_request *request,
+                               pl_ray_log *log) {
+  if (request->threads != 1)
+    return pl_fail(PL_E_RANGE, "threads must be 1 to keep the rays, not %d", request->threads);
+  pl_frame_result result;
+  pl_accelerators_log(renderer->accelerators, log);
+  const pl_status status = pl_renderer_frame(renderer, request, &result);
+  pl_accelerators_log(renderer->accelerators, NULL);
+  if (status == PL_OK && log->full)
+    return pl_fail(PL_E_MEMORY, "out of memory for the rays of a frame");
+  return status;
+}
+
+static pl_status replay(bench *b, const pl_frame_request *request, const pl_scene *scene,
+                        const pl_ray_log *log) {
+  const pl_frame_request still = {.samples = 1};
+  const pl_instant *instant;
+  PL_TRY(pl_survey_place(scene, &still, &request->placement, &b->arena, &b->survey));
+  PL_TRY(realise_whole(b, &instant));
+  PL_TRY(pl_tracer_measure(b->kept, instant->tracer, log->rays[PL_LOG_CLOSEST],
+                           log->count[PL_LOG_CLOSEST], false, b->repeats, b->primary));
+  return pl_tracer_measure(b->kept, instant->tracer, log->rays[PL_LOG_SHADOW],
+                           log->count[PL_LOG_SHADOW], true, b->repeats, b->shadow);
+}
+
+pl_status pl_measure_frame(pl_renderer *renderer, const pl_frame_request *request, int repeats,
+                           pl_ray_times *closest, pl_ray_times *shadow) {
+  bench b = {
+      .kept = renderer->accelerators, .repeats = repeats, .primary = closest, .shadow = shadow};
+  pl_ray_log log = {0};
+  pl_status status = render_logged(renderer, request, &log);
+  pl_arena_init(&b.arena);
+  if (status == PL_OK)
+    status = replay(&b, request, renderer->scene, &log);
+  pl_ray_log_clear(&log);
+  pl_arena_clear(&b.arena);
+  return status;
 }
 
 pl_status pl_measure_scan(const pl_scene *scene, const pl_placement *placement,

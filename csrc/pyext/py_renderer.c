@@ -236,6 +236,12 @@ static PyObject *renderer_plan(PyObject *object, PyObject *request) {
   return result;
 }
 
+static PyObject *times_dict(const char *first, const pl_ray_times *a, const char *second,
+                            const pl_ray_times *b) {
+  return Py_BuildValue("{s:(ndd),s:(ndd)}", first, (Py_ssize_t)a->rays, a->ours_s, a->raw_s, second,
+                       (Py_ssize_t)b->rays, b->ours_s, b->raw_s);
+}
+
 static PyObject *renderer_measure_rays(PyObject *object, PyObject *args) {
   pl_py_renderer *self = (pl_py_renderer *)object;
   PyObject *request;
@@ -257,12 +263,36 @@ static PyObject *renderer_measure_rays(PyObject *object, PyObject *args) {
     return NULL;
   if (status != PL_OK)
     return pl_py_raise(status);
-  return Py_BuildValue("{s:(ndd),s:(ndd)}", "primary", (Py_ssize_t)primary.rays, primary.ours_s,
-                       primary.raw_s, "shadow", (Py_ssize_t)shadow.rays, shadow.ours_s,
-                       shadow.raw_s);
+  return times_dict("primary", &primary, "shadow", &shadow);
+}
+
+static PyObject *renderer_measure_frame(PyObject *object, PyObject *args) {
+  pl_py_renderer *self = (pl_py_renderer *)object;
+  PyObject *request, *out;
+  int repeats;
+  pl_frame_request frame = {.threads = 1};
+  if (!PyArg_ParseTuple(args, "OOi:measure_frame", &request, &out, &repeats) ||
+      pl_py_renderer_begin(self) < 0)
+    return NULL;
+  pl_ray_times closest, shadow;
+  pl_status status = PL_OK;
+  const int parsed = pl_py_request_parse(request, self->core, &self->states, &frame) < 0 ||
+                     pl_py_others_parse(request, self->core, self->others, &frame) < 0 ||
+                     pl_py_request_outputs(out, self->core, self->states.kept, &frame) < 0;
+  if (!parsed) {
+    Py_BEGIN_ALLOW_THREADS status =
+        pl_measure_frame(self->renderer, &frame, repeats, &closest, &shadow);
+    Py_END_ALLOW_THREADS
+  }
+  pl_py_renderer_end(self);
+  if (parsed)
+    return NULL;
+  return status == PL_OK ? times_dict("closest", &closest, "shadow", &shadow) : pl_py_raise(status);
 }
 
 static PyMethodDef renderer_methods[] = {
+    {"measure_frame", renderer_measure_frame, METH_VARARGS,
+     "Times all rays of a frame against raw Embree: for benchmarks."},
     {"measure_rays", renderer_measure_rays, METH_VARARGS,
      "Times a frame's rays against raw Embree: for benchmarks."},
     {"measure_scan", pl_py_renderer_measure_scan, METH_VARARGS,

@@ -299,7 +299,7 @@ pl_status pl_tracer_build(pl_accelerators *kept, const pl_snapshot *shot,
   pl_sphere *leaves = pl_arena_alloc(arena, most, sizeof *leaves);
   if (tracer == NULL || instances == NULL || leaves == NULL)
     return pl_fail(PL_E_MEMORY, "out of memory for instances");
-  *tracer = (pl_tracer){.instances = instances, .snapshot = shot};
+  *tracer = (pl_tracer){.instances = instances, .snapshot = shot, .log = kept->log};
   PL_TRY(place_kinds(kept, kinds, tracer));
   for (size_t i = 0; i < tracer->instance_count; i++)
     leaves[i] = (pl_sphere){.center = instances[i].center, .radius_m = instances[i].radius_m};

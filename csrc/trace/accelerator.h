@@ -5,6 +5,7 @@
 #include "geom/sphere_tree.h"
 #include "trace/instance.h"
 #include "trace/intersect.h"
+#include "trace/ray_log.h"
 
 typedef struct pl_model_accelerator {
   const pl_model *model; /* borrowed; the key */
@@ -20,6 +21,7 @@ struct pl_accelerators {
   pl_model_accelerator *models; /* owned */
   size_t model_count;
   pl_ground_tiles *ground; /* owned; NULL before the first use */
+  pl_ray_log *log;         /* borrowed; NULL: none */
 };
 
 struct pl_tracer {
@@ -29,6 +31,7 @@ struct pl_tracer {
   const pl_intersect *closed[PL_SURFACE_KINDS]; /* kinds with a closed form */
   size_t closed_count;
   const pl_snapshot *snapshot; /* borrowed */
+  pl_ray_log *log;             /* borrowed; NULL: none */
 };
 
 /* Frees the tiles of all grounds (trace/height_field.c). */

@@ -296,6 +296,8 @@ static void closest_single(const pl_tracer *tracer, const pl_ray *ray, pl_hit *h
 void pl_tracer_closest(const pl_tracer *tracer, const pl_ray *rays, pl_hit *hits, size_t count,
                        bool coherent, bool meshes) {
   meshes = meshes && tracer->instance_count > 0;
+  if (meshes && tracer->log != NULL)
+    pl_ray_log_add(tracer->log, PL_LOG_CLOSEST, rays, count);
   for (size_t i = 0; i < count; i++)
     hits[i].surface_id = PL_NO_SURFACE;
   if (meshes && coherent)
@@ -357,6 +359,8 @@ static bool occluded_single(const pl_tracer *tracer, const pl_ray *ray) {
 
 void pl_tracer_occluded(const pl_tracer *tracer, const pl_ray *rays, bool *occluded, size_t count,
                         bool coherent) {
+  if (tracer->instance_count > 0 && tracer->log != NULL)
+    pl_ray_log_add(tracer->log, PL_LOG_SHADOW, rays, count);
   for (size_t i = 0; i < count; i++)
     occluded[i] = false;
   if (tracer->instance_count > 0 && coherent)

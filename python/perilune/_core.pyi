@@ -526,6 +526,11 @@ class Renderer:
         self, request: FrameRequest, repeats: int, /) -> dict[str, tuple[int, float, float]]:
         """For benchmarks: "primary" and "shadow" rays of a frame -> (rays, seconds in the tracer,
         seconds of Embree's packet call alone on the same rays), medians of `repeats`, 1..64."""
+    def measure_frame(
+        self, request: FrameRequest, out: Mapping[str, NDArray[Any]], repeats: int, /
+    ) -> dict[str, tuple[int, float, float]]:
+        """For benchmarks: renders a frame on one thread and casts all of its rays at meshes and
+        terrain again: "closest" and "shadow" -> as of measure_rays, in packets of eight."""
     def measure_scan(
         self, request: FrameRequest, source: Mapping[str, Any], repeats: int, /
     ) -> tuple[int, float, float]:

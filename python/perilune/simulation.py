@@ -366,6 +366,15 @@ class Simulation(RangeSensors, Costed):
             renderer = handles.renderer_of(scene.config)
             return renderer.measure_rays(request, repeats)
 
+    def measure_frame(self, index: int, repeats: int) -> dict[str, tuple[int, float, float]]:
+        """For benchmarks: all rays of a frame's colour against raw Embree; see _core.Renderer."""
+        scene, handles = self.world(index), self._mine()
+        request = self._request(scene)
+        with handles.lock:
+            renderer = handles.renderer_of(scene.config)
+            arrays = arrays_of(scene.config, ["rgb"], {}, handles.pool)
+            return renderer.measure_frame(request, arrays, repeats)
+
     def plan(
         self,
         index: int,

@@ -86,15 +86,17 @@ def test_arrays_that_render_another_frame(world, reference, key, kind):
     assert all("already rendering" in text for text in seen), seen
 
 
-@pytest.mark.parametrize("call", ["plan", "measure_rays"])
+@pytest.mark.parametrize("call", ["plan", "measure_rays", "measure_frame"])
 def test_plans_and_measurements_hold_the_renderer_too(world, call):
     seen: list[str] = []
     request = world.request()
     request["K"] = hostile.Array(request["K"], other_frame(world, seen))
     if call == "plan":
         world.renderer.plan(request)
-    else:
+    elif call == "measure_rays":
         world.renderer.measure_rays(request, 1)
+    else:
+        world.renderer.measure_frame(request, world.outputs(), 1)
     assert seen
     assert all("already rendering" in text for text in seen), seen
 

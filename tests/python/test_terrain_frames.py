@@ -161,3 +161,19 @@ def test_rays_at_terrain_are_timed() -> None:
     assert rays["primary"][0] == 64 * 48
     assert 0.5 * 64 * 48 < rays["shadow"][0] <= 64 * 48
     assert all(ours_s > 0.0 and raw_s > 0.0 for _, ours_s, raw_s in rays.values())
+
+
+def test_rays_of_a_frame_are_cast_again() -> None:
+    """Each pixel has a ray to its centre at least, nothing is kept for the next frame, and the
+    frame has the same bits."""
+    sim = moon({"detail": {"seed": SEED}}, {"trajectory": over(500.0)}, render={"samples": 2})
+    before = sim.frame(0, ["rgb"])["rgb"].copy()
+    rays = sim.measure_frame(0, 1)
+    assert rays["closest"][0] >= 64 * 48
+    assert rays["shadow"][0] >= 0.5 * 64 * 48
+    assert all(ours_s > 0.0 and raw_s > 0.0 for _, ours_s, raw_s in rays.values())
+    again = sim.measure_frame(0, 1)
+    assert {kind: row[0] for kind, row in again.items()} == {
+        kind: row[0] for kind, row in rays.items()
+    }
+    np.testing.assert_array_equal(sim.frame(0, ["rgb"])["rgb"], before)
