@@ -94,12 +94,3 @@ pl_rim_image pl_rim_project(const pl_rim *rim, const pl_pinhole *camera, double 
   }
   return image;
 }
-
-pl_rim pl_rim_on_sphere(pl_vec3 direction, pl_vec3 major, double diameter_m, double axis_ratio,
-                        double radius_m) {
-  const double angle = 0.5 * diameter_m / radius_m, root = sqrt(axis_ratio);
-  const pl_vec3 minor = pl_vec3_cross(direction, major);
-  return (pl_rim){pl_vec3_scale(direction, radius_m * cos(angle)),
-                  pl_vec3_scale(major, radius_m * sin(angle / root)),
-                  pl_vec3_scale(minor, radius_m * sin(angle * root))};
-}

@@ -37,10 +37,4 @@ typedef struct pl_rim_image {
 /* `near_m`, above 0, is the distance of the plane before the camera at which rims are cut. */
 pl_rim_image pl_rim_project(const pl_rim *rim, const pl_pinhole *camera, double near_m);
 
-/* The rim of a crater on a sphere of `radius_m` (of the ground at the rim, from the body's centre),
- * in body axes: `direction` of the centre and `major` axis are unit and orthogonal. Large craters
- * follow the sphere: their plane lies below its surface at the centre. */
-pl_rim pl_rim_on_sphere(pl_vec3 direction, pl_vec3 major, double diameter_m, double axis_ratio,
-                        double radius_m);
-
 #endif

@@ -2,7 +2,6 @@
 #include "geom/bound.h"
 
 #include <math.h>
-#include <string.h>
 
 const pl_bound *const pl_bounds[] = {
     &pl_bound_box,
@@ -10,13 +9,6 @@ const pl_bound *const pl_bounds[] = {
     &pl_bound_cone,
 };
 const size_t pl_bound_count = sizeof pl_bounds / sizeof pl_bounds[0];
-
-const pl_bound *pl_bound_find(const char *name) {
-  for (size_t i = 0; i < pl_bound_count; i++)
-    if (strcmp(pl_bounds[i]->name, name) == 0)
-      return pl_bounds[i];
-  return NULL;
-}
 
 pl_bound_ball pl_bound_sphere(const pl_bound *bound, const double size[3]) {
   const double x[2] = {-bound->support(size, (pl_vec3){-1.0, 0.0, 0.0}),

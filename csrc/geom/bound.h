@@ -38,8 +38,6 @@ bool pl_bound_below(double a, double b, double c, double t[2]);
 /* Table of all kinds. */
 extern const pl_bound *const pl_bounds[];
 extern const size_t pl_bound_count;
-/* Returns a row by name, or NULL. */
-const pl_bound *pl_bound_find(const char *name);
 
 extern const pl_bound pl_bound_box, pl_bound_ellipsoid, pl_bound_cone;
 

@@ -29,14 +29,3 @@ pl_affine pl_nodes_base(const pl_nodes *nodes) {
   }
   return out;
 }
-
-void pl_nodes_globals(const pl_nodes *nodes, const pl_affine *locals, pl_affine *globals) {
-  const pl_affine base = pl_nodes_base(nodes);
-  for (size_t i = 0; i < nodes->count; i++)
-    globals[i] = PL_AFFINE_IDENTITY;
-  for (size_t k = 0; k < nodes->order_count; k++) {
-    const int i = nodes->order[k], parent = nodes->items[i].parent;
-    const pl_affine *local = locals != NULL ? &locals[i] : &nodes->items[i].local;
-    globals[i] = pl_affine_compose(parent >= 0 ? &globals[parent] : &base, local);
-  }
-}

@@ -45,9 +45,6 @@ void pl_nodes_clear(pl_nodes *nodes);
 pl_affine pl_trs_affine(const pl_trs *trs);
 /* Returns the transform of the root nodes: the identity, or the scale `stretch`. */
 pl_affine pl_nodes_base(const pl_nodes *nodes);
-/* Computes the node-to-root transforms of the scene's nodes; others become the identity. `locals`:
- * one per node, or NULL for the rest pose. */
-void pl_nodes_globals(const pl_nodes *nodes, const pl_affine *locals, pl_affine *globals);
 
 #ifdef __cplusplus
 }

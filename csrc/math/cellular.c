@@ -36,10 +36,11 @@ typedef struct site {
 typedef struct search {
   float limit2[PL_LANES];
   site nearest;
-  float second2[PL_LANES]; /* used by pl_cellular_find */
-  /* Used by pl_cellular_edge; first: the distance; wall: from the nearest site to that beyond. */
+  float second2[PL_LANES]; /* used by pl_cellular_find_lanes */
+  /* Used by pl_cellular_edge_lanes; first: the distance; wall: from the nearest site to that
+   * beyond. */
   float first[PL_LANES], edge[PL_LANES], wall[3][PL_LANES];
-  /* Used by pl_cellular_smooth; inverse: 1/s; slope: the gradient times the sum. */
+  /* Used by pl_cellular_smooth_lanes; inverse: 1/s; slope: the gradient times the sum. */
   float sum[PL_LANES], inverse[PL_LANES], slope[3][PL_LANES];
   size_t count;      /* lanes in use */
   bool known[CELLS]; /* sites that were made */
@@ -319,54 +320,6 @@ PL_WIDE void pl_cellular_smooth_lanes(size_t count, const pl_point_lanes *points
   }
   if (gradient != NULL)
     smooth_gradient(&found, smoothness, count, gradient);
-}
-
-/* The same point in all lanes. */
-static pl_point_lanes everywhere(pl_vec3 point, float randomness, float spread[PL_LANES]) {
-  pl_point_lanes out;
-  for (size_t i = 0; i < PL_LANES; i++) {
-    out.at[0][i] = point.x;
-    out.at[1][i] = point.y;
-    out.at[2][i] = point.z;
-    spread[i] = randomness;
-  }
-  return out;
-}
-
-static pl_cellular first_of(const pl_cellular_lanes *cell) {
-  return (pl_cellular){
-      cell->first[0],
-      cell->second[0],
-      {cell->to_site[0][0], cell->to_site[1][0], cell->to_site[2][0]},
-      cell->id[0],
-  };
-}
-
-pl_cellular pl_cellular_find(pl_vec3 point, float randomness, uint32_t seed) {
-  float spread[PL_LANES];
-  pl_cellular_lanes cell;
-  const pl_point_lanes points = everywhere(point, randomness, spread);
-  pl_cellular_find_lanes(&points, spread, seed, &cell);
-  return first_of(&cell);
-}
-
-float pl_cellular_edge(pl_vec3 point, float randomness, uint32_t seed, pl_cellular *cell) {
-  float spread[PL_LANES], out[PL_LANES];
-  pl_cellular_lanes cells;
-  const pl_point_lanes points = everywhere(point, randomness, spread);
-  pl_cellular_edge_lanes(&points, spread, seed, &cells, out, NULL);
-  if (cell != NULL)
-    *cell = first_of(&cells);
-  return out[0];
-}
-
-float pl_cellular_smooth(pl_vec3 point, float randomness, float smoothness, uint32_t seed) {
-  float spread[PL_LANES], out[PL_LANES];
-  pl_cellular_lanes cells;
-  const pl_point_lanes points = everywhere(point, randomness, spread);
-  const float smooth[PL_LANES] = {smoothness};
-  pl_cellular_smooth_lanes(1, &points, spread, smooth, seed, &cells, out, NULL);
-  return out[0];
 }
 
 static float polynomial(float x, const float c[5]) {

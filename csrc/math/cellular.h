@@ -12,43 +12,35 @@
 #include "math/lattice.h"
 #include "math/vec.h"
 
-typedef struct pl_cellular {
-  float first, second; /* distances to the nearest site and the next */
-  pl_vec3f to_site;    /* from the point to the nearest site; -to_site/first is first's gradient */
-  uint32_t id;         /* hash of the cell of the nearest site: constant over its Voronoi region */
-} pl_cellular;
-
-pl_cellular pl_cellular_find(pl_vec3 point, float randomness, uint32_t seed);
-
-/* Distance to the nearest wall between two Voronoi regions, the plane halfway between their sites.
- * `cell` receives the result of pl_cellular_find, which is computed on the way; it may be NULL. */
-float pl_cellular_edge(pl_vec3 point, float randomness, uint32_t seed, pl_cellular *cell);
-
-/* Smooth minimum of the distances to sites: -s ln sum exp(-d/s) over all sites, with
- * s = smoothness / 8, smoothness clamped to [0, 1]; smoothness 0 gives the nearest distance. It is
- * lower than that by s ln 2 where two sites are equally near, and may be negative near sites. Sites
- * outside the search range cause discontinuities below 1e-4. */
-float pl_cellular_smooth(pl_vec3 point, float randomness, float smoothness, uint32_t seed);
-
-/* The same of all lanes, with a randomness and a smoothness for each. The search of edge and smooth
- * gives `cell` too. count: lanes in use, of which alone smooth takes exponentials; the others are
- * those of lane 0. gradient: of the distance in `out`, per cell; NULL if not needed. */
+/* Of all lanes: distances to the nearest site and the next, the way from the point to the nearest
+ * (-to_site/first is the gradient of first), and the hash of its cell, which is constant over its
+ * Voronoi region. Each lane has its own randomness. */
 typedef struct pl_cellular_lanes {
   float first[PL_LANES], second[PL_LANES], to_site[3][PL_LANES];
   uint32_t id[PL_LANES];
 } pl_cellular_lanes;
 void pl_cellular_find_lanes(const pl_point_lanes *points, const float randomness[PL_LANES],
                             uint32_t seed, pl_cellular_lanes *cell);
+/* pl_cellular_find_lanes with the gradient of the second distance. */
+void pl_cellular_second_lanes(const pl_point_lanes *points, const float randomness[PL_LANES],
+                              uint32_t seed, pl_cellular_lanes *cell, float gradient[3][PL_LANES]);
+
+/* Distance to the nearest wall between two Voronoi regions, the plane halfway between their sites.
+ * `cell` receives what pl_cellular_find_lanes finds; `gradient`, of the distance per cell, may be
+ * NULL. */
 void pl_cellular_edge_lanes(const pl_point_lanes *points, const float randomness[PL_LANES],
                             uint32_t seed, pl_cellular_lanes *cell, float out[PL_LANES],
                             float gradient[3][PL_LANES]);
+
+/* Smooth minimum of the distances to sites: -s ln sum exp(-d/s) over all sites, with
+ * s = smoothness / 8, smoothness clamped to [0, 1]; smoothness 0 gives the nearest distance. It is
+ * lower than that by s ln 2 where two sites are equally near, and may be negative near sites. Sites
+ * outside the search range cause discontinuities below 1e-4. `count` lanes are in use, the others
+ * are those of lane 0. `cell` and `gradient` as for edges. */
 void pl_cellular_smooth_lanes(size_t count, const pl_point_lanes *points,
                               const float randomness[PL_LANES], const float smoothness[PL_LANES],
                               uint32_t seed, pl_cellular_lanes *cell, float out[PL_LANES],
                               float gradient[3][PL_LANES]);
-/* pl_cellular_find_lanes with the gradient of the second distance. */
-void pl_cellular_second_lanes(const pl_point_lanes *points, const float randomness[PL_LANES],
-                              uint32_t seed, pl_cellular_lanes *cell, float gradient[3][PL_LANES]);
 
 /* Three uniform numbers in [0, 1) for an id, independent of the position of its site. */
 PL_WIDE_PART pl_vec3f pl_cellular_color(uint32_t id) {

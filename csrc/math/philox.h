@@ -36,10 +36,7 @@ static inline void pl_philox(const uint64_t key[2], const uint64_t counter[4], u
   out[3] = c3;
 }
 
-/* A word as a number in [0, 1): only the top 24 bits, so that it cannot be rounded to 1. */
-static inline float pl_philox_float(uint64_t word) { return (float)(word >> 40) * 0x1p-24f; }
-static inline float pl_philox_float32(uint32_t word) { return (float)(word >> 8) * 0x1p-24f; }
-/* Uses the top 53 bits, as numpy.random.Generator.random does. */
+/* A word as a number in [0, 1) by its top 53 bits, as numpy.random.Generator.random has it. */
 static inline double pl_philox_double(uint64_t word) { return (double)(word >> 11) * 0x1p-53; }
 
 /* Numbers of one key, one after the other. Starts as {.key = {...}}. */

@@ -82,9 +82,6 @@ pl_quat pl_quat_from_mat3(pl_mat3 m);
 /* Shortest-arc interpolation, u in [0, 1]; takes into account that q and -q are the same rotation.
  */
 pl_quat pl_quat_slerp(pl_quat a, pl_quat b, double u);
-static inline pl_vec3 pl_pose_apply(pl_pose pose, pl_vec3 p) {
-  return pl_vec3_add(pl_quat_rotate(pose.q, p), pose.t);
-}
 
 /* Sets unit axes along the ground, for a unit vector up: east and north about z; at a pole x and y,
  * or x and -y. */

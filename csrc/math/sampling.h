@@ -61,20 +61,15 @@ static inline float pl_cosine_hemisphere_pdf(float cosine) {
   return pl_maxf(cosine, 0.0f) * (1.0f / PL_PI_F);
 }
 
-/* 1 - cos(half_angle) without cancellation, which would give 0 for cones below 3e-4 rad. */
-static inline float pl_cone_one_minus_cos(float half_angle_rad) {
-  const float s = sinf(0.5f * half_angle_rad);
-  return 2.0f * s * s;
-}
 /* Maps the unit disc to the cone about +z; equal areas become equal solid angles. */
 static inline pl_vec3f pl_disc_to_cone(pl_vec3f d, float one_minus_cos) {
   const float h = one_minus_cos * pl_minf(d.x * d.x + d.y * d.y, 1.0f); /* 1 - cos of the sample */
   const float scale = sqrtf(one_minus_cos * (2.0f - h));
   return pl_vec3f_make(d.x * scale, d.y * scale, 1.0f - h);
 }
-/* Uniform direction in the cone about +z; `one_minus_cos` from pl_cone_one_minus_cos, in (0, 2].
- * Lambert's equal-area map of the concentric disc: x and y have full relative precision for any
- * width of the cone (half angles down to 1e-15 rad). */
+/* Uniform direction in the cone about +z; `one_minus_cos` of its half angle, in (0, 2],
+ * without cancellation. Lambert's equal-area map of the concentric disc: x and y have full relative
+ * precision for any width of the cone (half angles down to 1e-15 rad). */
 static inline pl_vec3f pl_sample_cone(float u, float v, float one_minus_cos) {
   return pl_disc_to_cone(pl_sample_disc(u, v), one_minus_cos);
 }

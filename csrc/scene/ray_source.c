@@ -1,19 +1,10 @@
 /* Table of ray sources, and what all of them share. */
 #include "scene/ray_source.h"
 
-#include <string.h>
-
 #define PL_ROW(name) &pl_ray_source_##name,
 const pl_ray_source_kind *const pl_ray_source_kinds[] = {PL_RAY_SOURCES(PL_ROW)};
 #undef PL_ROW
 const size_t pl_ray_source_kind_count = sizeof pl_ray_source_kinds / sizeof pl_ray_source_kinds[0];
-
-const pl_ray_source_kind *pl_ray_source_find(const char *name) {
-  for (size_t i = 0; i < pl_ray_source_kind_count; i++)
-    if (strcmp(pl_ray_source_kinds[i]->name, name) == 0)
-      return pl_ray_source_kinds[i];
-  return NULL;
-}
 
 static pl_status check_values(const pl_ray_source *source) {
   const pl_ray_source_kind *kind = source->kind;

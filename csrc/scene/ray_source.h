@@ -82,8 +82,6 @@ PL_RAY_SOURCES(PL_DECLARE)
 #undef PL_DECLARE
 extern const pl_ray_source_kind *const pl_ray_source_kinds[];
 extern const size_t pl_ray_source_kind_count;
-/* Kind by name, or NULL. */
-const pl_ray_source_kind *pl_ray_source_find(const char *name);
 
 /* Returns PL_E_RANGE, naming the value, for a source that is not valid. */
 pl_status pl_ray_source_check(const pl_ray_source *source);

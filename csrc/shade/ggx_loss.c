@@ -40,9 +40,3 @@ pl_ggx_lost pl_ggx_lost_at(const pl_ggx_loss *l, float cosine) {
   return (pl_ggx_lost){.broad = LOSS_SCALE * between(l, node, s, 1),
                        .gain = GAIN_SCALE * between(l, node, s, 2)};
 }
-
-float pl_ggx_loss_mean(float roughness) {
-  float t;
-  const size_t i = pl_table_node(roughness, ROUGHNESSES, &t);
-  return pl_table_mix(mean_table[i], mean_table[i + 1], t);
-}

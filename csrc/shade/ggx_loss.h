@@ -32,9 +32,8 @@ typedef struct pl_ggx_lost {
  * for roughness from 0.05 and cosines from 0.08. */
 pl_ggx_loss pl_ggx_loss_of(float roughness);
 pl_ggx_lost pl_ggx_lost_at(const pl_ggx_loss *l, float cosine);
-/* The loss 1 - E for one direction, and its mean over the hemisphere. */
+/* The loss 1 - E for one direction. */
 float pl_ggx_loss_at(const pl_ggx_loss *l, float cosine);
-float pl_ggx_loss_mean(float roughness);
 
 /* Absorption by multiple reflections. Each hit reflects the hemispherical mean of Schlick's
  * reflectance, f0 + (1 - f0)/21, and the light escapes with probability 1 - loss: a geometric

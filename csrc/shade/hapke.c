@@ -124,11 +124,6 @@ static double logarithm_of(const pl_hapke *hapke, double x) {
   return !hapke->simple_h && x > 1e-30 ? log1p(1.0 / x) : 0.0;
 }
 
-double pl_hapke_h(const pl_hapke *hapke, double x) {
-  const double gamma = gamma_of(hapke);
-  return hapke->simple_h ? simple_h(gamma, x) : h_of(hapke->w, gamma, x, logarithm_of(hapke, x));
-}
-
 pl_hapke_at_phase pl_hapke_at_phase_of(const pl_hapke *hapke, const pl_hapke_angles *a) {
   return (pl_hapke_at_phase){
       .k = hapke->filling > 0.0 ? pl_hapke_porosity(hapke->filling) : 1.0,

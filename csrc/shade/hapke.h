@@ -60,8 +60,6 @@ double pl_hapke_shadow_surge(const pl_hapke *hapke, const pl_hapke_angles *angle
 double pl_hapke_coherent_surge(const pl_hapke *hapke, const pl_hapke_angles *angles);
 /* Porosity factor K of the filling factor; 1 at 0. */
 double pl_hapke_porosity(double filling);
-/* H function at the cosine (divided by K) x >= 0. */
-double pl_hapke_h(const pl_hapke *hapke, double x);
 
 /* What depends on the phase angle alone: facets of all slopes share it. */
 typedef struct pl_hapke_at_phase {

@@ -55,14 +55,6 @@ double pl_crater_tau(double diameter_m, double age_ga, double diffusivity_1km, d
   return 1e3 * age_ga * diffusivity / (0.25 * diameter_m * diameter_m);
 }
 
-double pl_crater_fassett_thomson(double x) {
-  if (x <= 0.98)
-    return fmax(-0.181, -0.228809953 + x * (0.227533882 + x * (0.083116795 - x * 0.039499407)));
-  if (x <= 1.5)
-    return 0.188253307 + x * (-0.187050452 + x * (0.018447460 + x * 0.015056470));
-  return 0.0;
-}
-
 /* Share of the depth below the rim's height inside: 1 on the floor, 0 from the rim on. The wall is
  * the cubic of Fassett and Thomson between any floor and the rim. */
 static double bowl(double x, double floor) {

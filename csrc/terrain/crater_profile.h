@@ -40,10 +40,6 @@ double pl_crater_tau(double diameter_m, double age_ga, double diffusivity_1km, d
  * a fresh crater, a fifth deeper than two thirds. */
 #define PL_CRATER_TAU_COUNTED 0.24
 
-/* Height over D at x of the fresh simple crater of Fassett and Thomson (2014): the profile whose
- * diffusion they published. */
-double pl_crater_fassett_thomson(double x);
-
 /* Shapes of craters by tau; immutable, so that threads can share it. */
 typedef struct pl_crater_shapes pl_crater_shapes;
 pl_status pl_crater_shapes_create(pl_crater_shapes **out);

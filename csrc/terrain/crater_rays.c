@@ -213,14 +213,6 @@ static double mean_below(const pl_crater_brightness *of, const double sums[BINS 
   return sums[k] + (place - k) * (sums[k + 1] - sums[k]);
 }
 
-double pl_crater_rays_mean(const pl_crater_field *field, double footprint_m, double most_m) {
-  double sums[BINS + 1];
-  if (field->brightness == NULL || !(most_m > 0.0))
-    return 0.0;
-  sum_means(field->brightness, footprint_m, sums);
-  return mean_below(field->brightness, sums, most_m);
-}
-
 /* --- a block ---------------------------------------------------------------------------------- */
 
 typedef struct gathered {

@@ -27,7 +27,4 @@ pl_status pl_crater_add_rays(const pl_crater_field *field, const pl_crater_model
                              const pl_vec3 *directions, size_t count, double footprint_m,
                              float *out);
 
-/* Returns what is taken away where craters up to most_m are drawn. */
-double pl_crater_rays_mean(const pl_crater_field *field, double footprint_m, double most_m);
-
 #endif

@@ -262,27 +262,6 @@ double pl_fractal_detail_deviation_m(const pl_fractal_detail *detail, int coarse
   return sqrt(variance);
 }
 
-static int finest_of(const pl_fractal_detail *detail, int level) {
-  return level < detail->last ? level : detail->last;
-}
-
-static int coarsest_of(const pl_fractal_detail *detail, int coarsest) {
-  return coarsest > detail->first ? coarsest : detail->first;
-}
-
-double pl_fractal_detail_height(const pl_fractal_detail *detail, pl_vec3 direction, int coarsest,
-                                int level) {
-  pl_detail_strip strip = {.count = 1, .x = {direction.x}, .y = {direction.y}, .z = {direction.z}};
-  pl_detail_cache cache;
-  pl_detail_cache_init(&cache);
-  pl_detail_strip_close(&strip);
-  double sum_m = 0.0;
-  for (int k = finest_of(detail, level); k >= coarsest_of(detail, coarsest); k--)
-    pl_fractal_detail_add(detail, &strip, k, level, &cache, &sum_m);
-  const double deviation_m = pl_fractal_detail_deviation_m(detail, coarsest, level);
-  return pl_fractal_detail_cut(sum_m, PL_DETAIL_BOUND * deviation_m);
-}
-
 /* Weights of four cells along one axis, and their slopes. */
 typedef struct slope_axis {
   uint32_t cell; /* the first of four */
@@ -347,14 +326,6 @@ pl_vec3 pl_fractal_detail_octave_gradient(const pl_fractal_detail *detail, pl_ve
       pl_vec3_scale(octave_gradient(detail->key[octave], place), unit_of(detail, octave));
   const pl_vec3 sum = pl_vec3_madd(pl_vec3_scale(axes[0], slope.x), slope.y, axes[1]);
   return pl_vec3_madd(sum, slope.z, axes[2]);
-}
-
-pl_vec3 pl_fractal_detail_gradient(const pl_fractal_detail *detail, pl_vec3 direction, int coarsest,
-                                   int level) {
-  pl_vec3 sum = {0.0, 0.0, 0.0};
-  for (int k = finest_of(detail, level); k >= coarsest_of(detail, coarsest); k--)
-    sum = pl_vec3_add(sum, pl_fractal_detail_octave_gradient(detail, direction, k));
-  return pl_vec3_madd(sum, -pl_vec3_dot(sum, direction), direction);
 }
 
 /* The squares of the slopes of the spline's weights have the mean sum 2/3. */

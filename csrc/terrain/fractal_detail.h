@@ -65,21 +65,14 @@ void pl_detail_cache_init(pl_detail_cache *cache);
 /* Adds one octave, as seen by nodes of `level`. */
 void pl_fractal_detail_add(const pl_fractal_detail *detail, const pl_detail_strip *strip,
                            int octave, int level, pl_detail_cache *cache, double *sums_m);
-/* Returns the sum of the octaves from `coarsest` to `level`, cut off at the bound; the bits are
- * those of adding them from the finest to the coarsest. */
-double pl_fractal_detail_height(const pl_fractal_detail *detail, pl_vec3 direction, int coarsest,
-                                int level);
-/* Returns the standard deviation of that sum. */
+/* Returns the standard deviation of the sum of the octaves from `coarsest` to `level`. */
 double pl_fractal_detail_deviation_m(const pl_fractal_detail *detail, int coarsest, int level);
 /* Cuts off a sum at a bound: PL_DETAIL_BOUND of these. */
 static inline double pl_fractal_detail_cut(double sum_m, double bound_m) {
   return sum_m > bound_m ? bound_m : sum_m < -bound_m ? -bound_m : sum_m;
 }
-/* Returns the gradient of that sum along the ground: a vector perpendicular to `direction`, rise in
- * m by distance in units of the radius; divide by the radius for a slope. */
-pl_vec3 pl_fractal_detail_gradient(const pl_fractal_detail *detail, pl_vec3 direction, int coarsest,
-                                   int level);
-/* Returns the gradient of one octave, in the same units, with its part along `direction`. */
+/* Returns the gradient of one octave, rise in m by distance in units of the radius; it is not along
+ * the ground, but has a part along `direction`. */
 pl_vec3 pl_fractal_detail_octave_gradient(const pl_fractal_detail *detail, pl_vec3 direction,
                                           int octave);
 /* Returns the variance of an octave's slopes along any one axis, rise over distance, on a body of

@@ -42,14 +42,6 @@ pl_vec3 pl_height_field_point(const pl_height_field *field, uint32_t tile, float
   return out;
 }
 
-pl_vec3 pl_height_field_facet_normal(const pl_height_field *field, uint32_t tile, float u,
-                                     float v) {
-  pl_vec3 p[3];
-  double weights[3];
-  pl_height_field_corners(field, tile, u, v, p, weights);
-  return pl_vec3_unit(pl_vec3_cross(pl_vec3_sub(p[1], p[0]), pl_vec3_sub(p[2], p[0])));
-}
-
 /* Cell and place in it, moved from the skirt to the edge. */
 static int to_edge(int cell, double *in) {
   if (cell >= 0 && cell < CELLS)

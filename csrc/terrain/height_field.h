@@ -53,8 +53,6 @@ void pl_height_field_corners(const pl_height_field *field, uint32_t tile, float 
                              pl_vec3 out[3], double weights[3]);
 /* The point that was hit, body axes, relative to the centre of the body, m. */
 pl_vec3 pl_height_field_point(const pl_height_field *field, uint32_t tile, float u, float v);
-/* The normal of the triangle that was hit, body axes, unit, outwards. */
-pl_vec3 pl_height_field_facet_normal(const pl_height_field *field, uint32_t tile, float u, float v);
 /* The normal interpolated between the posts, body axes, unit, outwards: of the whole surface,
  * continuous across cells and tiles. */
 pl_vec3 pl_height_field_normal(const pl_height_field *field, uint32_t tile, float u, float v);

@@ -69,10 +69,6 @@ static const projection_row ROWS[PL_PROJECTION_COUNT] = {
                                     orthographic_inverse},
 };
 
-const char *pl_projection_name(pl_projection_kind kind) {
-  return kind < PL_PROJECTION_COUNT ? ROWS[kind].name : NULL;
-}
-
 pl_status pl_projection_find(const char *name, pl_projection_kind *out) {
   char names[128] = "";
   for (int k = 0; k < PL_PROJECTION_COUNT; k++) {

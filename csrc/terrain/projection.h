@@ -29,8 +29,6 @@ typedef struct pl_projection {
   pl_vec3 east, north, up; /* axes at the centre, by pl_projection_init */
 } pl_projection;
 
-/* Returns the name of a kind, e.g. "cylindrical"; NULL beyond the last. */
-const char *pl_projection_name(pl_projection_kind kind);
 /* Finds a kind by name; PL_E_ARGUMENT with a text that lists the names. */
 pl_status pl_projection_find(const char *name, pl_projection_kind *out);
 

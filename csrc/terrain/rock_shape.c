@@ -217,11 +217,6 @@ void pl_rock_shape_extent(const pl_rock_shape *shape, pl_vec3 axis, double *low,
   *low = -reach(shape->variant, pl_vec3_scale(along, -1.0));
 }
 
-pl_vec3 pl_rock_shape_point(const pl_rock_shape *shape, pl_vec3 direction) {
-  const double r = pl_rock_variant_radius(shape->variant, direction);
-  return stretched(pl_vec3_scale(direction, r), shape->axes);
-}
-
 double pl_rock_shape_depth(const pl_rock_shape *shape, pl_vec3 point) {
   const pl_vec3 ball = {point.x / shape->axes.x, point.y / shape->axes.y, point.z / shape->axes.z};
   const double r = pl_vec3_norm(ball);

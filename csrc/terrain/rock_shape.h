@@ -90,8 +90,6 @@ void pl_rock_shape_draw(const pl_rock_variant *variants, pl_rock_family_kind fam
 
 /* Distance of a variant's surface from the centre in a unit direction. */
 double pl_rock_variant_radius(const pl_rock_variant *variant, pl_vec3 direction);
-/* Point of the surface on the ray through a unit direction of the unstretched ball. */
-pl_vec3 pl_rock_shape_point(const pl_rock_shape *shape, pl_vec3 direction);
 /* Extent along a unit axis: it misses at most 5 % of it. */
 void pl_rock_shape_extent(const pl_rock_shape *shape, pl_vec3 axis, double *low, double *high);
 /* Distance from the centre over that of the surface on the same ray: below 1 inside. */

@@ -187,22 +187,6 @@ void pl_ground_tiles_trim(pl_accelerators *kept) {
   drop_meshes(tiles);
 }
 
-void pl_ground_tiles_forget(pl_accelerators *kept, uint64_t terrain) {
-  pl_ground_tiles *tiles = kept->ground;
-  if (tiles == NULL)
-    return;
-  release_grounds(tiles, 0);
-  size_t staying = 0;
-  for (size_t k = 0; k < tiles->count; k++)
-    if (tiles->list[k]->terrain != terrain) {
-      pl_kept_tile *tile = tiles->list[k];
-      tiles->list[k] = tiles->list[staying];
-      tiles->list[staying++] = tile;
-    }
-  pl_ground_tiles_drop(tiles, staying);
-  drop_meshes(tiles);
-}
-
 size_t pl_ground_scenes(const pl_accelerators *kept) {
   return kept->ground != NULL ? kept->ground->ground_count : 0;
 }
@@ -210,13 +194,6 @@ size_t pl_ground_scenes(const pl_accelerators *kept) {
 void pl_ground_scenes_release(pl_accelerators *kept, size_t from) {
   if (kept->ground != NULL)
     release_grounds(kept->ground, from);
-}
-
-pl_status pl_ground_tiles_limit(pl_accelerators *kept, size_t bytes) {
-  pl_ground_tiles *tiles;
-  PL_TRY(pl_ground_tiles_open(kept, &tiles));
-  tiles->limit = bytes;
-  return PL_OK;
 }
 
 pl_ground_tiles_use pl_ground_tiles_used(const pl_accelerators *kept) {

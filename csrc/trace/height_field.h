@@ -7,7 +7,7 @@
 #include "terrain/ground_tile_tree.h"
 #include "trace/tracer.h"
 
-/* Tiles are evicted above this many bytes, unless pl_ground_tiles_limit says otherwise. */
+/* Tiles are evicted above this many bytes. */
 #define PL_GROUND_BYTES ((size_t)512 << 20)
 
 /* More rocks than this may not be expected in the tiles of a frame. They would take some 0.6 GB. */
@@ -25,17 +25,13 @@ pl_status pl_height_field_build(pl_accelerators *kept, const pl_terrain *terrain
  * grounds, and evicts the tiles that were least recently used while all together are above the
  * limit of bytes. */
 void pl_ground_tiles_trim(pl_accelerators *kept);
-/* Releases all grounds and evicts all tiles of a terrain (pl_terrain_number), which may have been
- * destroyed already: no other terrain gets its number. */
-void pl_ground_tiles_forget(pl_accelerators *kept, uint64_t terrain);
 
 /* Scenes of grounds that are held, and the release of all from one on: of grounds that are not in
  * use any more. Tiles stay. */
 size_t pl_ground_scenes(const pl_accelerators *kept);
 void pl_ground_scenes_release(pl_accelerators *kept, size_t from);
 
-/* The limit of bytes, and what is kept at present. */
-pl_status pl_ground_tiles_limit(pl_accelerators *kept, size_t bytes);
+/* What is kept at present. */
 typedef struct pl_ground_tiles_use {
   size_t tiles, bytes; /* bytes with those of Embree */
   uint64_t made;       /* tiles made so far */

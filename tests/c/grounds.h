@@ -5,6 +5,9 @@
 #include "harness.h"
 
 #include "terrain/ground_tile_tree.h"
+#include "terrain/height_field.h"
+#include "trace/embree.h"
+#include "trace/ground_tile_cache.h"
 
 /* A body of fractal ground alone, `strength` times as rough as the highlands of the Moon. */
 static inline pl_terrain *ground_rough(pl_vec3 radii_m, double strength) {
@@ -46,4 +49,22 @@ static inline pl_ground_tile_view ground_view(const pl_terrain *terrain, pl_vec3
   return view;
 }
 
+/* The normal of the triangle that was hit, body axes, unit, outwards. */
+static inline pl_vec3 ground_facet_normal(const pl_height_field *field, uint32_t tile, float u,
+                                          float v) {
+  pl_vec3 p[3];
+  double weights[3];
+  pl_height_field_corners(field, tile, u, v, p, weights);
+  return pl_vec3_unit(pl_vec3_cross(pl_vec3_sub(p[1], p[0]), pl_vec3_sub(p[2], p[0])));
+}
+
+/* Releases all grounds and evicts all tiles. */
+static inline void ground_tiles_evict(pl_accelerators *kept) {
+  if (kept->ground == NULL)
+    return;
+  const size_t limit = kept->ground->limit;
+  kept->ground->limit = 0;
+  pl_ground_tiles_trim(kept);
+  kept->ground->limit = limit;
+}
 #endif

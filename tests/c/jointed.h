@@ -6,6 +6,7 @@
 
 #include "geom/articulation.h"
 #include "models.h"
+#include "node_globals.h"
 
 typedef struct cube_node {
   int parent; /* before this one, or -1 */
@@ -59,7 +60,7 @@ static inline pl_model *jointed_create(const cube_node *nodes, size_t count, dou
                                       .local = pl_trs_affine(&nodes[k].trs),
                                       .trs = nodes[k].trs};
   }
-  pl_nodes_globals(&model->nodes, NULL, globals);
+  node_globals(&model->nodes, NULL, globals);
   for (size_t k = 0; k < count; k++) {
     if (nodes[k].empty)
       continue;

@@ -5,6 +5,11 @@
 #include "models.h"
 #include "scene/scene.h"
 
+/* A point of a posed frame, in the frame of its pose. */
+static inline pl_vec3 pose_apply(pl_pose pose, pl_vec3 p) {
+  return pl_vec3_add(pl_quat_rotate(pose.q, p), pose.t);
+}
+
 enum { STAGE_THINGS = 16 };
 
 /* A scene and what a frame places in it. Ids are 1, 2, ... in order of adding, objects and bodies

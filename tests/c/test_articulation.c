@@ -157,8 +157,8 @@ static void animations_move_nodes(void **state) {
   moved.q = pl_quat_unit((pl_quat){(double)0.6f, 0, (double)0.8f, 0});
   locals[0] = model->nodes.items[0].local;
   locals[1] = pl_trs_affine(&moved);
-  pl_nodes_globals(&model->nodes, locals, globals);
-  pl_nodes_globals(&model->nodes, NULL, rest);
+  node_globals(&model->nodes, locals, globals);
+  node_globals(&model->nodes, NULL, rest);
   const pl_vec3 p = {0.3, -0.2, 0.1};
   const pl_affine inverse = pl_affine_inverse(&rest[1]);
   const pl_vec3 slid = pl_vec3_add(pl_affine_apply(&rest[1], p), (pl_vec3){0, 0, 0.5});
@@ -215,8 +215,8 @@ static void joints_turn_as_the_nodes_rotation_would(void **state) {
     moved.q = pl_quat_mul(moved.q, pl_quat_axis_angle((pl_vec3){0, 0, 1}, value));
     locals[0] = model->nodes.items[0].local;
     locals[1] = pl_trs_affine(&moved);
-    pl_nodes_globals(&model->nodes, locals, globals);
-    pl_nodes_globals(&model->nodes, NULL, rest);
+    node_globals(&model->nodes, locals, globals);
+    node_globals(&model->nodes, NULL, rest);
     const pl_vec3 p = {0.3, -0.2, 0.1};
     const pl_vec3 found = pl_affine_apply(&motion, pl_affine_apply(&rest[1], p));
     const pl_vec3 expected = pl_affine_apply(&globals[1], p);

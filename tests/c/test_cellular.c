@@ -1,7 +1,7 @@
 /* Cellular texture against a search of all cells within four, its means, and its filter. Random
  * points are drawn from fixed seeds; bounds on statistics lie at five standard errors or more. */
 #include "harness.h"
-#include "math/cellular.h"
+#include "cellular_points.h"
 #include "math/lattice.h"
 #include "textures.h"
 
@@ -49,11 +49,11 @@ static void check_against_all(pl_vec3 p, float randomness, uint32_t seed) {
     second = fmin(second, d);
     edge = fmin(edge, (d * d - first * first) / (2.0 * pl_vec3_norm(across)));
   }
-  const pl_cellular found = pl_cellular_find(p, randomness, seed);
+  const cellular found = cellular_find(p, randomness, seed);
   assert_true(fabs((double)found.first - first) < 1e-6);
   assert_true(fabs((double)found.second - second) < 1e-6);
-  assert_true(fabs((double)pl_cellular_edge(p, randomness, seed, NULL) - edge) < 2e-6);
-  const double smooth = (double)pl_cellular_smooth(p, randomness, 0.6f, seed);
+  assert_true(fabs((double)cellular_edge(p, randomness, seed, NULL) - edge) < 2e-6);
+  const double smooth = (double)cellular_smooth(p, randomness, 0.6f, seed);
   assert_true(fabs(smooth - (first - s * log(sum))) < 1e-4);
   if (second - first > 1e-5)
     assert_true(pl_vec3_norm(pl_vec3_sub(pl_vec3f_to_double(found.to_site), sites[nearest])) <
@@ -76,7 +76,7 @@ static void test_far_sites(void **state) {
   int beyond = 0;
   for (int i = 0; i < PL_DRAWS(300000, 30000); i++) {
     const pl_vec3 p = random_point(&random, 1e4);
-    if (pl_cellular_find(p, 1.0f, 3).second > 1.0f) {
+    if (cellular_find(p, 1.0f, 3).second > 1.0f) {
       check_against_all(p, 1.0f, 3);
       beyond++;
     }
@@ -91,12 +91,12 @@ static void test_continuity(void **state) {
     pl_vec3 below = random_point(&random, 5.0), above = below;
     above.y = (double)random_below(&random, 9) - 4.0;
     below.y = nextafter(above.y, -INFINITY);
-    const pl_cellular a = pl_cellular_find(below, 1.0f, 1), b = pl_cellular_find(above, 1.0f, 1);
+    const cellular a = cellular_find(below, 1.0f, 1), b = cellular_find(above, 1.0f, 1);
     assert_true(fabsf(a.first - b.first) < 1e-6f && fabsf(a.second - b.second) < 1e-6f);
-    assert_true(fabsf(pl_cellular_edge(below, 1.0f, 1, NULL) -
-                      pl_cellular_edge(above, 1.0f, 1, NULL)) < 3e-6f);
-    assert_true(fabsf(pl_cellular_smooth(below, 1.0f, 1.0f, 1) -
-                      pl_cellular_smooth(above, 1.0f, 1.0f, 1)) < 1e-4f);
+    assert_true(fabsf(cellular_edge(below, 1.0f, 1, NULL) - cellular_edge(above, 1.0f, 1, NULL)) <
+                3e-6f);
+    assert_true(fabsf(cellular_smooth(below, 1.0f, 1.0f, 1) -
+                      cellular_smooth(above, 1.0f, 1.0f, 1)) < 1e-4f);
   }
 }
 
@@ -111,11 +111,11 @@ static void test_means(void **state) {
     moments first = {0}, second = {0}, edge = {0}, smooth = {0}, red = {0};
     for (int i = 0; i < points; i++) {
       const pl_vec3 p = random_point(&random, 1e4);
-      const pl_cellular c = pl_cellular_find(p, r, (uint32_t)i);
+      const cellular c = cellular_find(p, r, (uint32_t)i);
       moments_add(&first, (double)c.first);
       moments_add(&second, (double)c.second);
-      moments_add(&edge, (double)pl_cellular_edge(p, r, (uint32_t)i, NULL));
-      moments_add(&smooth, (double)pl_cellular_smooth(p, r, 0.5f, (uint32_t)i));
+      moments_add(&edge, (double)cellular_edge(p, r, (uint32_t)i, NULL));
+      moments_add(&smooth, (double)cellular_smooth(p, r, 0.5f, (uint32_t)i));
       moments_add(&red, (double)pl_cellular_color(c.id).x);
     }
     const double error = 5.0 * sqrt(moments_variance(&first) / points);
@@ -141,7 +141,7 @@ static void test_isotropy(void **state) {
   const int points = PL_DRAWS(200000, 20000);
   double moment[3] = {0}, mean[3] = {0}, mixed = 0.0;
   for (int i = 0; i < points; i++) {
-    const pl_cellular c = pl_cellular_find(random_point(&random, 1e4), 1.0f, 5);
+    const cellular c = cellular_find(random_point(&random, 1e4), 1.0f, 5);
     const double v[3] = {(double)c.to_site.x, (double)c.to_site.y, (double)c.to_site.z};
     const double d2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
     for (int a = 0; a < 3; a++) {
@@ -176,10 +176,10 @@ static void test_filter(void **state) {
       double mean = 0.0, edge_mean = 0.0;
       for (int j = 0; j < 128; j++) {
         const pl_vec3 q = disc_point(p, axes, cases[k].width, j, 128);
-        mean += (double)pl_cellular_find(q, 1.0f, 4).first / 128.0;
-        edge_mean += (double)pl_cellular_edge(q, 1.0f, 4, NULL) / 128.0;
+        mean += (double)cellular_find(q, 1.0f, 4).first / 128.0;
+        edge_mean += (double)cellular_edge(q, 1.0f, 4, NULL) / 128.0;
       }
-      const float f = pl_cellular_find(p, 1.0f, 4).first, e = pl_cellular_edge(p, 1.0f, 4, NULL);
+      const float f = cellular_find(p, 1.0f, 4).first, e = cellular_edge(p, 1.0f, 4, NULL);
       moments_add(&first, (double)f);
       moments_add(&edge, (double)e);
       moments_add(&error, (double)(m + pl_cellular_fade(width) * (f - m)) - mean);
@@ -197,13 +197,13 @@ static void test_filter(void **state) {
 static void test_odd_input(void **state) {
   (void)state;
   const pl_vec3 nowhere = {NAN, INFINITY, -1e300};
-  const pl_cellular c = pl_cellular_find(nowhere, NAN, 1);
+  const cellular c = cellular_find(nowhere, NAN, 1);
   assert_true(isfinite(c.first) && isfinite(c.second));
-  assert_true(isfinite(pl_cellular_edge(nowhere, INFINITY, 1, NULL)));
-  assert_true(isfinite(pl_cellular_smooth(nowhere, -1.0f, NAN, 1)));
+  assert_true(isfinite(cellular_edge(nowhere, INFINITY, 1, NULL)));
+  assert_true(isfinite(cellular_smooth(nowhere, -1.0f, NAN, 1)));
   const pl_vec3 p = {1e7 + 0.3, -1e7 - 0.7, 0.2};
-  assert_true(pl_cellular_smooth(p, 1.0f, 0.0f, 1) == pl_cellular_find(p, 1.0f, 1).first);
-  assert_true(pl_cellular_find(p, 2.0f, 1).first == pl_cellular_find(p, 1.0f, 1).first);
+  assert_true(cellular_smooth(p, 1.0f, 0.0f, 1) == cellular_find(p, 1.0f, 1).first);
+  assert_true(cellular_find(p, 2.0f, 1).first == cellular_find(p, 1.0f, 1).first);
 }
 
 int main(void) {

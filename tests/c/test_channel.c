@@ -62,7 +62,7 @@ static float value_of(const fixture *f, const char *name, const pl_point *vertex
 static pl_point vertex_at(const fixture *f, uint32_t entity, pl_vec3 local, pl_vec3 *root) {
   const pl_pose pose =
       entity == 0 ? f->stage.objects[0].motion.open : f->stage.bodies[entity - 1].motion.open;
-  *root = pl_pose_apply(pose, local);
+  *root = pose_apply(pose, local);
   const pl_vec3 p = pl_vec3_sub(*root, f->stage.placement.camera.motion.open.t);
   pl_point vertex = {.position = p, .t = pl_vec3_norm(p), .triangle = 3};
   vertex.surface_id = entity == 0 ? f->shot.objects[0].id : pl_surface_of_body(entity - 1);

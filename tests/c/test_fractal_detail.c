@@ -3,8 +3,8 @@
 
 #include <math.h>
 
+#include "detail_sum.h"
 #include "random.h"
-#include "terrain/fractal_detail.h"
 
 static const double RADIUS_M = 1737400.0;
 
@@ -97,9 +97,8 @@ static void test_octaves(void **state) {
       const pl_vec3 d =
           pl_vec3_unit(pl_vec3_madd(pl_vec3_unit(places[n]), 0.05, random_direction(&random)));
       const pl_vec3 along = pl_vec3_unit(pl_vec3_cross(d, random_direction(&random)));
-      const double a = pl_fractal_detail_height(&detail, d, 0, level);
-      const double b =
-          pl_fractal_detail_height(&detail, pl_vec3_unit(pl_vec3_madd(d, step, along)), 0, level);
+      const double a = detail_height(&detail, d, 0, level);
+      const double b = detail_height(&detail, pl_vec3_unit(pl_vec3_madd(d, step, along)), 0, level);
       mean += a / COUNT;
       square += a * a / COUNT;
       product += a * b / COUNT;
@@ -122,11 +121,10 @@ static void test_gradient(void **state) {
     const pl_vec3 along = pl_vec3_unit(pl_vec3_cross(d, random_direction(&random)));
     const int from = detail.first + random_below(&random, 4), to = detail.last;
     const double h = 1e-3 / RADIUS_M; /* of cells of 0.3 m; in double at this level */
-    const pl_vec3 slope = pl_fractal_detail_gradient(&detail, d, from, to);
-    const double ahead =
-        pl_fractal_detail_height(&detail, pl_vec3_unit(pl_vec3_madd(d, h, along)), from, 40);
+    const pl_vec3 slope = detail_gradient(&detail, d, from, to);
+    const double ahead = detail_height(&detail, pl_vec3_unit(pl_vec3_madd(d, h, along)), from, 40);
     const double behind =
-        pl_fractal_detail_height(&detail, pl_vec3_unit(pl_vec3_madd(d, -h, along)), from, 40);
+        detail_height(&detail, pl_vec3_unit(pl_vec3_madd(d, -h, along)), from, 40);
     assert_true(fabs(pl_vec3_dot(slope, d)) < 1e-9 * pl_vec3_norm(slope) + 1e-9);
     assert_true(fabs((ahead - behind) / (2.0 * h) - pl_vec3_dot(slope, along)) <
                 1e-4 * pl_vec3_norm(slope));
@@ -142,8 +140,8 @@ static void test_near_and_far(void **state) {
   test_random random = {.seed = 5};
   for (int k = 0; k < 200; k++) {
     const pl_vec3 d = random_direction(&random);
-    const double a = pl_fractal_detail_height(&detail, d, 0, detail.last);
-    const double b = pl_fractal_detail_height(&detail, d, 0, detail.last + PL_DETAIL_NEAR);
+    const double a = detail_height(&detail, d, 0, detail.last);
+    const double b = detail_height(&detail, d, 0, detail.last + PL_DETAIL_NEAR);
     assert_true(fabs(a - b) < 1e-5);
   }
 }
@@ -175,7 +173,7 @@ static void test_strips(void **state) {
       pl_fractal_detail_add(&detail, &strip, octave, level, &cache, sums_m);
     for (size_t k = 0; k < strip.count; k++) {
       const pl_vec3 p = {strip.x[k], strip.y[k], strip.z[k]};
-      assert_true(pl_fractal_detail_height(&detail, p, coarsest, level) == sums_m[k]);
+      assert_true(detail_height(&detail, p, coarsest, level) == sums_m[k]);
     }
   }
 }
@@ -189,7 +187,7 @@ static void test_seeds(void **state) {
     pl_fractal_detail detail;
     given.seed = seeds[k];
     pl_fractal_detail_init(&given, RADIUS_M, &detail);
-    h[k] = pl_fractal_detail_height(&detail, (pl_vec3){0.6, 0.0, 0.8}, 0, 30);
+    h[k] = detail_height(&detail, (pl_vec3){0.6, 0.0, 0.8}, 0, 30);
     assert_true(isfinite(h[k]) && h[k] != 0.0);
     for (int other = 0; other < k; other++)
       assert_true(h[k] != h[other]);
@@ -208,7 +206,7 @@ static void test_off(void **state) {
     assert_int_equal(pl_terrain_detail_check(&given), PL_OK);
     pl_fractal_detail_init(&given, RADIUS_M, &detail);
     assert_true(detail.last < detail.first);
-    assert_true(pl_fractal_detail_height(&detail, (pl_vec3){0.0, 0.0, 1.0}, 0, 40) == 0.0);
+    assert_true(detail_height(&detail, (pl_vec3){0.0, 0.0, 1.0}, 0, 40) == 0.0);
   }
 }
 

@@ -4,6 +4,7 @@
 #include <math.h>
 
 #include "gltf_files.h"
+#include "node_globals.h"
 
 #define near(a, b) assert_true(fabs((double)(a) - (b)) < 1e-6)
 
@@ -35,7 +36,7 @@ static void nodes_are_kept_in_the_models_axes(void **state) {
   }
   /* The square's second corner is (1, 0, 0) on its node. */
   pl_affine globals[3];
-  pl_nodes_globals(&model->nodes, NULL, globals);
+  node_globals(&model->nodes, NULL, globals);
   const pl_vec3 p = pl_affine_apply(&globals[1], (pl_vec3){1, 0, 0});
   vector_near(corner(model, 0, 1), p.x, p.y, p.z);
   pl_model_destroy(model);
@@ -51,8 +52,8 @@ static void a_stretched_model_has_stretched_nodes(void **state) {
   pl_model *model = NULL;
   assert_int_equal(pl_gltf_load(path, (const double[3]){2, 3, 4}, &model), PL_OK);
   pl_affine from[2], to[2];
-  pl_nodes_globals(&plain->nodes, NULL, from);
-  pl_nodes_globals(&model->nodes, NULL, to);
+  node_globals(&plain->nodes, NULL, from);
+  node_globals(&model->nodes, NULL, to);
   near(model->nodes.items[0].trs.t.x, 1); /* what the file says of a node stays */
   near(to[0].t.x, 2);
   near(to[0].t.y, -9);

@@ -4,7 +4,7 @@
 #include <pthread.h>
 #include <stdlib.h>
 
-#include "math/cellular.h"
+#include "cellular_points.h"
 #include "math/fractal.h"
 
 static pl_graph_point draw_point(draws *d) {
@@ -193,9 +193,9 @@ static void test_cells_of_lanes_are_those_of_points(void **state) {
     pl_cellular_smooth_lanes(PL_LANES, &points, randomness, smoothness, seed, &other, smooth, NULL);
     for (size_t i = 0; i < PL_LANES; i++) {
       const pl_vec3 p = place_at(&points, i);
-      pl_cellular alone;
-      assert_true(edge[i] == pl_cellular_edge(p, randomness[i], seed, &alone));
-      assert_true(smooth[i] == pl_cellular_smooth(p, randomness[i], smoothness[i], seed));
+      cellular alone;
+      assert_true(edge[i] == cellular_edge(p, randomness[i], seed, &alone));
+      assert_true(smooth[i] == cellular_smooth(p, randomness[i], smoothness[i], seed));
       assert_true(cell.first[i] == alone.first && cell.second[i] == alone.second);
       assert_true(cell.id[i] == alone.id && other.id[i] == alone.id);
     }

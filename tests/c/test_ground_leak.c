@@ -111,7 +111,7 @@ static pl_hit meet(const world *w, const pl_ray *ray) {
 static bool is_through(const world *w, const pl_ray *ray, const pl_hit *hit, double aimed_m) {
   if (!pl_surface_is_none(hit->surface_id))
     return hit->t > aimed_m &&
-           pl_vec3_dot(pl_height_field_facet_normal(w->field, hit->triangle, hit->u, hit->v),
+           pl_vec3_dot(ground_facet_normal(w->field, hit->triangle, hit->u, hit->v),
                        ray->direction) > 0.0;
   pl_ray above = *ray;
   const pl_vec3 up = pl_vec3_unit(pl_vec3_add(ray->origin, w->eye));

@@ -191,7 +191,7 @@ static void normals_of_an_ellipsoid(void **state) {
         (pl_vec3){p.x / (radii.x * radii.x), p.y / (radii.y * radii.y), p.z / (radii.z * radii.z)});
     const double angle = ldexp(0.5 * PL_PI, -pl_ground_tile_lattice(tile->id));
     const pl_vec3 smooth = pl_height_field_normal(&field, 0, u, v);
-    const pl_vec3 facet = pl_height_field_facet_normal(&field, 0, u, v);
+    const pl_vec3 facet = ground_facet_normal(&field, 0, u, v);
     assert_true(pl_vec3_norm(pl_vec3_sub(smooth, exact)) < 0.3 * angle * angle + 2e-5);
     assert_true(pl_vec3_norm(pl_vec3_sub(facet, exact)) < 1.5 * angle);
   }
@@ -214,8 +214,8 @@ static void normals_follow_the_facets(void **state) {
       for (int k = 0; k < 8; k++) { /* two facets in each of four cells */
         const double x = i + 1 + (k & 1 ? 0.3 : -0.7) + (k & 4 ? 0.2 : 0.3);
         const double y = j + 1 + (k & 2 ? 0.3 : -0.7) + (k & 4 ? 0.3 : 0.2) + (k & 4 ? 0.2 : -0.2);
-        mean = pl_vec3_add(mean, pl_height_field_facet_normal(&field, 0, (float)(x / (SIDE - 1)),
-                                                              (float)(y / (SIDE - 1))));
+        mean = pl_vec3_add(
+            mean, ground_facet_normal(&field, 0, (float)(x / (SIDE - 1)), (float)(y / (SIDE - 1))));
       }
       mean = pl_vec3_unit(mean);
       const pl_vec3 normal = normal_of(tile, i, j), up = pl_vec3_unit(post_of(tile, i, j));

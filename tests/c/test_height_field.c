@@ -238,7 +238,7 @@ static void hits_are_decoded(void **state) {
     pl_height_field_corners(f.field, hit.tile, hit.u, hit.v, corners, weights);
     for (int n = 0; n < 3; n++)
       assert_true(weights[n] > -1e-4 && weights[n] < 1.0001);
-    const pl_vec3 facet = pl_height_field_facet_normal(f.field, hit.tile, hit.u, hit.v);
+    const pl_vec3 facet = ground_facet_normal(f.field, hit.tile, hit.u, hit.v);
     assert_true(pl_vec3_dot(facet, d) < 1e-3);
     assert_true(pl_vec3_dot(facet, pl_vec3_unit(p)) > 0.0);
     const pl_vec3 smooth = pl_height_field_normal(f.field, hit.tile, hit.u, hit.v);
@@ -321,7 +321,7 @@ static void tiles_above_the_limit_are_evicted(void **state) {
   const size_t other_count = f.field->count, both = pl_ground_tiles_used(f.kept).tiles;
   assert_true(both > near_count);
   /* Room for the tiles of the last frame and a few more: the others go first. */
-  assert_int_equal(pl_ground_tiles_limit(f.kept, (other_count + 5) * 34000), PL_OK);
+  f.kept->ground->limit = (other_count + 5) * 34000;
   assert_int_equal(pl_ground_tiles_used(f.kept).tiles, both); /* never within a frame */
   pl_ground_tiles_trim(f.kept);
   use = pl_ground_tiles_used(f.kept);
@@ -331,7 +331,7 @@ static void tiles_above_the_limit_are_evicted(void **state) {
   assert_in_range(pl_ground_tiles_used(f.kept).made - made, 0, other_count / 4);
   build(&f, &near, 1);
   assert_true(print_of(&f, near.eye) == wanted);
-  pl_ground_tiles_forget(f.kept, pl_terrain_number(f.terrain));
+  ground_tiles_evict(f.kept);
   assert_int_equal(pl_ground_tiles_used(f.kept).tiles, 0);
   assert_int_equal(pl_ground_tiles_used(f.kept).bytes, 0);
   build(&f, &near, 2);
@@ -339,7 +339,7 @@ static void tiles_above_the_limit_are_evicted(void **state) {
   close_fixture(&f);
 }
 
-/* Two bodies in one frame, of which one is then forgotten. */
+/* Two bodies in one frame, of which one is then destroyed. */
 static void terrains_are_kept_apart(void **state) {
   (void)state;
   fixture f;
@@ -354,7 +354,6 @@ static void terrains_are_kept_apart(void **state) {
   assert_true(print_of(&f, view.eye) == wanted); /* both are in use */
   const pl_vec3 away = {0.0, 0.0, 0.0};
   assert_true(cast(rough, view.eye, away).t != cast(f.field, view.eye, away).t);
-  pl_ground_tiles_forget(f.kept, pl_terrain_number(second));
   pl_terrain_destroy(second);
   const uint64_t made = pl_ground_tiles_used(f.kept).made;
   build(&f, &view, 1);
@@ -405,7 +404,7 @@ static void every_failed_allocation_is_an_error(void **state) {
     pl_arena_clear(&f.arena);
     pl_arena_init(&f.arena);
     most += most > 12 ? 20 : 0;
-    pl_ground_tiles_forget(f.kept, pl_terrain_number(f.terrain));
+    ground_tiles_evict(f.kept);
   }
   assert_true(most > 5);
   close_fixture(&f);

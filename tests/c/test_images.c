@@ -152,7 +152,7 @@ static void test_cube_projects_on_its_mask(void **state) {
     s.placement.camera.motion = (pl_motion){.open = camera, .close = camera};
     const pl_vec3 place = {random_range(&random, -1, 1), random_range(&random, -1, 1),
                            random_range(&random, 4, 20)};
-    stage_add_object(&s, model, pl_pose_apply(camera, place), random_rotation(&random), 3.0);
+    stage_add_object(&s, model, pose_apply(camera, place), random_rotation(&random), 3.0);
     const double metre = 3.0517578125e-5; /* ulp of the camera's position */
     film f = shoot(&s, 1, 0, no_effects());
     const pl_object_label *label = &f.objects[0];

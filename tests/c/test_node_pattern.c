@@ -1,7 +1,7 @@
 /* Nodes of procedural patterns against the functions they stand on, their means, and bump. */
 #include "graphs.h"
 
-#include "math/cellular.h"
+#include "cellular_points.h"
 #include "math/fractal.h"
 #include "math/pattern.h"
 #include "random.h"
@@ -40,18 +40,18 @@ static void test_values_are_those_of_the_functions(void **state) {
   const float fbm = pl_fractal_rows[PL_FRACTAL_FBM].evaluate(&shape, p, width);
   assert_true(fabsf(number_at(&g, noise, 0, x, y, z, radius) - 0.5f - 0.5f * fbm) < 1e-6f);
   const size_t voronoi = add_pattern(&g, "voronoi", 2.0f);
-  const pl_cellular cell = pl_cellular_find(p, 1.0f, 0);
+  const cellular cell = cellular_find(p, 1.0f, 0);
   assert_true(number_at(&g, voronoi, 0, x, y, z, 0.0f) == cell.first);
   assert_true(fabsf(number_at(&g, voronoi, 1, x, y, z, 0.0f) - pl_cellular_color(cell.id).x) <
               1e-6f);
   graph_choose(&g, voronoi, "feature", "second");
   assert_true(fabsf(number_at(&g, voronoi, 0, x, y, z, 0.0f) - cell.second) < 1e-6f);
   graph_choose(&g, voronoi, "feature", "edge");
-  assert_true(fabsf(number_at(&g, voronoi, 0, x, y, z, 0.0f) - pl_cellular_edge(p, 1.0f, 0, NULL)) <
+  assert_true(fabsf(number_at(&g, voronoi, 0, x, y, z, 0.0f) - cellular_edge(p, 1.0f, 0, NULL)) <
               1e-6f);
   graph_choose(&g, voronoi, "feature", "smooth");
-  assert_true(fabsf(number_at(&g, voronoi, 0, x, y, z, 0.0f) -
-                    pl_cellular_smooth(p, 1.0f, 0.5f, 0)) < 1e-6f);
+  assert_true(fabsf(number_at(&g, voronoi, 0, x, y, z, 0.0f) - cellular_smooth(p, 1.0f, 0.5f, 0)) <
+              1e-6f);
   const size_t white = add_pattern(&g, "white_noise", 2.0f);
   assert_true(number_at(&g, white, 0, x, y, z, radius) == pl_white_noise(p, side, 0));
   const size_t checker = add_pattern(&g, "checker", 2.0f);

@@ -97,7 +97,7 @@ static void test_pose_and_box(void **state) {
     pl_object_label_fill(&shot, 0, &extent, &label);
     const pl_vec3 p = random_direction(&random); /* in the object's frame, m */
     const pl_vec3 q =
-        pl_quat_rotate_inverse(camera.q, pl_vec3_sub(pl_pose_apply(object, p), camera.t));
+        pl_quat_rotate_inverse(camera.q, pl_vec3_sub(pose_apply(object, p), camera.t));
     const double expected[3] = {q.x, q.y, q.z};
     for (int k = 0; k < 3; k++) {
       const double *r = label.R_m2c + 3 * k;

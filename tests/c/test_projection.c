@@ -113,9 +113,7 @@ static void test_errors(void **state) {
   assert_int_equal(kind, PL_PROJECTION_ORTHOGRAPHIC);
   assert_int_equal(pl_projection_find("mercator", &kind), PL_E_ARGUMENT);
   assert_non_null(strstr(pl_error_text(), "mercator"));
-  for (int k = 0; k < PL_PROJECTION_COUNT; k++)
-    assert_non_null(strstr(pl_error_text(), pl_projection_name((pl_projection_kind)k)));
-  assert_null(pl_projection_name(PL_PROJECTION_COUNT));
+  assert_non_null(strstr(pl_error_text(), "cylindrical, stereographic, orthographic"));
   const pl_projection bad[] = {
       {.kind = PL_PROJECTION_CYLINDRICAL, .axis_ratio = -1.0},
       {.kind = PL_PROJECTION_STEREOGRAPHIC, .radius_m = 0.0},

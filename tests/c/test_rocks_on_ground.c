@@ -203,7 +203,7 @@ static void meshes_leave_with_their_tiles(void **state) {
   assert_int_equal(pl_ground_tiles_used(f.kept).rock_meshes, first.rock_meshes);
   build_at(&f, (pl_vec3){-0.5, 0.1, 0.8});
   assert_true(pl_ground_tiles_used(f.kept).rock_meshes >= first.rock_meshes);
-  assert_int_equal(pl_ground_tiles_limit(f.kept, first.bytes), PL_OK);
+  f.kept->ground->limit = first.bytes;
   pl_ground_tiles_trim(f.kept); /* the tiles of the first place leave */
   for (int turn = 0; turn < 3; turn++) {
     build_at(&f, SOMEWHERE);
@@ -211,7 +211,7 @@ static void meshes_leave_with_their_tiles(void **state) {
     assert_true(pl_ground_tiles_used(f.kept).bytes <= first.bytes);
     assert_in_range(pl_ground_tiles_used(f.kept).rock_meshes, 1, first.rock_meshes);
   }
-  pl_ground_tiles_forget(f.kept, pl_terrain_number(f.terrain));
+  ground_tiles_evict(f.kept);
   assert_int_equal(pl_ground_tiles_used(f.kept).rock_meshes, 0);
   build_at(&f, SOMEWHERE);
   assert_int_equal(pl_ground_tiles_used(f.kept).rock_meshes, first.rock_meshes);

@@ -191,11 +191,11 @@ static void crowd_init(crowd *c, test_random *random) {
   for (int i = 0; i < 6; i++) {
     const pl_vec3 at = {random_range(random, -8, 8), random_range(random, -6, 6),
                         random_range(random, i == 0 ? -3 : 1, 20)};
-    stage_add_object(&c->stage, i % 2 == 0 ? c->cube : c->soup, pl_pose_apply(camera, at),
+    stage_add_object(&c->stage, i % 2 == 0 ? c->cube : c->soup, pose_apply(camera, at),
                      random_rotation(random), random_scale(random, 0.1, 5.0));
   }
-  const pl_vec3 near = pl_pose_apply(camera, (pl_vec3){5, 2, 9});
-  const pl_vec3 far = pl_pose_apply(camera, (pl_vec3){0, 90, 60});
+  const pl_vec3 near = pose_apply(camera, (pl_vec3){5, 2, 9});
+  const pl_vec3 far = pose_apply(camera, (pl_vec3){0, 90, 60});
   stage_add_body(&c->stage, near, (pl_vec3){1.5, 2.0, 1.0}, 0.5f);
   stage_add_body(&c->stage, far, (pl_vec3){80, 80, 79}, 0.5f);
 }

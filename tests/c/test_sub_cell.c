@@ -3,9 +3,9 @@
 
 #include <stdlib.h>
 
+#include "detail_sum.h"
 #include "random.h"
 #include "terrain/cube.h"
-#include "terrain/fractal_detail.h"
 #include "terrain/height_field.h"
 #include "terrain/sub_cell.h"
 
@@ -99,8 +99,8 @@ static void measure(const ground *ground, pl_ground_tile *tile, int count, doubl
     const float v = (float)(0.05 + 0.9 * random_unit(random));
     const pl_vec3 up = pl_vec3_unit(pl_height_field_point(&field, 0, u, v));
     const pl_vec3 mesh = slope_of(pl_height_field_normal(&field, 0, u, v), up);
-    const pl_vec3 truth = pl_vec3_scale(
-        pl_fractal_detail_gradient(&ground->detail, up, 0, ground->detail.last), 1.0 / MOON_M);
+    const pl_vec3 truth =
+        pl_vec3_scale(detail_gradient(&ground->detail, up, 0, ground->detail.last), 1.0 / MOON_M);
     const pl_sub_cell left =
         pl_terrain_sub_cell(ground->terrain, up, pl_ground_tile_lattice(tile->id), footprint_m);
     const pl_vec3 shown = pl_vec3_add(mesh, left.slope);

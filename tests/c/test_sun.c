@@ -29,6 +29,11 @@ static void test_irradiance(void **state) {
   }
 }
 
+/* In [0, 1): 24 bits, which are not rounded. */
+static float below_one(test_random *random) {
+  return (float)random_below(random, 1 << 24) * 0x1p-24f;
+}
+
 /* The radiance does not depend on distance. */
 static void test_radiance_is_constant(void **state) {
   (void)state;
@@ -49,8 +54,7 @@ static void test_samples_lie_in_the_disc(void **state) {
     const pl_vec3 center = pl_vec3_unit(sun.position);
     const double limit = (double)view.sin_radius;
     for (int i = 0; i < 2000; i++, total++) {
-      const float u[2] = {pl_philox_float32((uint32_t)(random_unit(&random) * 4294967295.0)),
-                          pl_philox_float32((uint32_t)(random_unit(&random) * 4294967295.0))};
+      const float u[2] = {below_one(&random), below_one(&random)};
       const pl_vec3f d = pl_sun_sample(&view, u);
       const double sine = pl_vec3_norm(pl_vec3_cross(center, pl_vec3f_to_double(d)));
       assert_true(fabsf(pl_vec3f_norm(d) - 1.0f) < 1e-6f);
