@@ -10,6 +10,9 @@
 
 enum { WIDTH = 96, HEIGHT = 64, PIXELS = WIDTH * HEIGHT, TRIES = 12 };
 
+/* Random worlds of `all`. */
+#define WORLDS(all) PL_DRAWS(all, (all) / 4 + 1)
+
 /* From the centre: as far as pl_image_sample_offset goes. */
 static const double FARTHEST = 0.542;
 
@@ -157,33 +160,33 @@ static sums check_debris(change_fn *change, int rays, double near, double far, s
 /* Triangles of many pixels, near ones too; marks are few more than pixels that are hit. */
 static void test_large(void **state) {
   (void)state;
-  const sums sums = check_debris(keep, 5, 3.0, 8.0, 30, 0.05, 2.0, 24, 1);
+  const sums sums = check_debris(keep, 5, 3.0, 8.0, 30, 0.05, 2.0, WORLDS(24), 1);
   assert_true(sums.marked < 1.35 * sums.hit);
 }
 
 /* Triangles of less than a pixel, in more and in fewer boxes than there are pixels. */
 static void test_small(void **state) {
   (void)state;
-  check_debris(keep, 0, 3.0, 30.0, 1000, 1e-4, 0.05, 12, 2);
+  check_debris(keep, 0, 3.0, 30.0, 1000, 1e-4, 0.05, WORLDS(12), 2);
   check_debris(keep, 0, 3.0, 30.0, 40000, 1e-4, 0.02, 3, 3);
 }
 
 static void test_slivers(void **state) {
   (void)state;
-  check_debris(keep, 0, 2.5, 6.0, 40, 1e-5, 3.0, 24, 4);
+  check_debris(keep, 0, 2.5, 6.0, 40, 1e-5, 3.0, WORLDS(24), 4);
 }
 
 /* The camera is among the triangles. */
 static void test_around_the_camera(void **state) {
   (void)state;
-  check_debris(keep, 0, 0.0, 1.5, 60, 0.001, 0.3, 24, 5);
+  check_debris(keep, 0, 0.0, 1.5, 60, 0.001, 0.3, WORLDS(24), 5);
 }
 
 static void test_cameras(void **state) {
   (void)state;
-  check_debris(skew, 0, 2.5, 8.0, 60, 0.001, 1.0, 16, 6);
-  check_debris(bend, 0, 1.0, 8.0, 200, 0.001, 0.5, 16, 7);
-  check_debris(open_wide, 0, 2.5, 12.0, 200, 0.001, 0.5, 16, 8);
+  check_debris(skew, 0, 2.5, 8.0, 60, 0.001, 1.0, WORLDS(16), 6);
+  check_debris(bend, 0, 1.0, 8.0, 200, 0.001, 0.5, WORLDS(16), 7);
+  check_debris(open_wide, 0, 2.5, 12.0, 200, 0.001, 0.5, WORLDS(16), 8);
 }
 
 /* From so far that a pixel is but few roundings of single precision wide. Not of slivers, beyond
@@ -192,7 +195,7 @@ static void test_far_away(void **state) {
   (void)state;
   test_random random = {.seed = 9};
   sums sums = {0};
-  for (int i = 0; i < 12; i++) {
+  for (int i = 0; i < WORLDS(12); i++) {
     world w;
     const double off = random_scale(&random, 1e3, 1e6);
     pl_model *model = cube_create(0.6);
@@ -227,7 +230,7 @@ static void test_pieces(void **state) {
   test_random random = {.seed = 10};
   sums sums = {0};
   pl_model *model = jointed_create(nodes, 3, 1);
-  for (int i = 0; i < 16; i++) {
+  for (int i = 0; i < WORLDS(16); i++) {
     world w;
     const pl_affine motions[2] = {random_motion(&random), random_motion(&random)};
     world_init(&w, 90.0);

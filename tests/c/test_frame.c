@@ -1,5 +1,5 @@
-/* The frame as a function: the same bits for any threads, order and history; clean failure when
- * memory runs out, when cancelled, and on bad requests. */
+/* The frame as a function: the same bits for any threads, order and history; clean ends when
+ * cancelled, and on bad requests. That memory runs out is of test_frame_memory.c. */
 #include "harness.h"
 
 #include <stdio.h>
@@ -127,73 +127,6 @@ static void test_keys_matter(void **state) {
   pl_renderer_destroy(renderer);
   film_clear(&one);
   film_clear(&other);
-  set_clear(&s);
-}
-
-/* --- memory ----------------------------------------------------------------------------------- */
-
-static void *fail_at_zero(void *context, size_t size) {
-  long *left = context;
-  return (*left)-- == 0 ? NULL : malloc(size);
-}
-
-/* The n-th allocation fails, for every n until all succeed. */
-static void test_memory_runs_out(void **state) {
-  (void)state;
-  set s;
-  set_init(&s);
-  film one, other;
-  film_init(&one, &s.stage);
-  film_init(&other, &s.stage);
-  int failures = 0;
-  pl_status status = PL_E_MEMORY;
-  for (long n = 0; status != PL_OK; n++) {
-    pl_renderer *renderer = NULL;
-    pl_frame_request request = request_all(&s.stage, &one);
-    pl_frame_result result;
-    long left = n;
-    request.threads = 2;
-    request.exposure = (pl_exposure){.automatic = true, .percentile = 90, .key = 0.7};
-    pl_memory_hook(fail_at_zero, &left);
-    status = pl_renderer_create(&s.stage.scene, &renderer);
-    if (status == PL_OK)
-      status = pl_renderer_frame(renderer, &request, &result);
-    pl_memory_hook(NULL, NULL);
-    assert_true(status == PL_OK || status == PL_E_MEMORY);
-    failures += status != PL_OK;
-    if (status != PL_OK && renderer != NULL) { /* the next frame is none the worse */
-      memset(other.memory, 0, other.bytes);
-      pl_frame_request again = request;
-      again.rgb = other.rgb;
-      render(renderer, &again);
-    }
-    pl_renderer_destroy(renderer);
-    assert_true(n < 1000);
-  }
-  print_message("%d allocations failed in turn\n", failures);
-  assert_in_range(failures, 5, 900);
-  assert_memory_equal(one.rgb, other.rgb, 3 * one.pixels);
-  film_clear(&one);
-  film_clear(&other);
-  set_clear(&s);
-}
-
-/* From the second frame on nothing is allocated. */
-static void test_steady_state_allocates_nothing(void **state) {
-  (void)state;
-  set s;
-  set_init(&s);
-  film f;
-  film_init(&f, &s.stage);
-  pl_renderer *renderer;
-  assert_int_equal(pl_renderer_create(&s.stage.scene, &renderer), PL_OK);
-  const pl_frame_request request = request_all(&s.stage, &f);
-  render(renderer, &request);
-  const uint64_t before = pl_memory_allocations();
-  render(renderer, &request);
-  assert_int_equal(pl_memory_allocations(), before);
-  pl_renderer_destroy(renderer);
-  film_clear(&f);
   set_clear(&s);
 }
 
@@ -338,14 +271,9 @@ static void test_empty_scene(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_threads_do_not_matter),
-      serial_unit_test(test_history_does_not_matter),
-      serial_unit_test(test_keys_matter),
-      cmocka_unit_test(test_memory_runs_out),
-      serial_unit_test(test_steady_state_allocates_nothing),
-      cmocka_unit_test(test_cancel),
-      serial_unit_test(test_bad_requests),
-      serial_unit_test(test_parts_of_a_request),
+      cmocka_unit_test(test_threads_do_not_matter), serial_unit_test(test_history_does_not_matter),
+      serial_unit_test(test_keys_matter),           cmocka_unit_test(test_cancel),
+      serial_unit_test(test_bad_requests),          serial_unit_test(test_parts_of_a_request),
       serial_unit_test(test_empty_scene),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

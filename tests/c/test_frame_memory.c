@@ -122,6 +122,14 @@ static pl_status frame_with_failure(const set *s, const pl_frame_request *reques
   return status;
 }
 
+/* Each allocation has its own way back, which leaks or does not; that threads race on it is shown
+ * by some of them. */
+#if defined(__SANITIZE_THREAD__)
+enum { STEP = 9 };
+#else
+enum { STEP = 1 };
+#endif
+
 /* What is not given back is found by the leak check of the address sanitizer's run. */
 static void fail_every_allocation(int threads, bool moving) {
   set s;
@@ -139,7 +147,7 @@ static void fail_every_allocation(int threads, bool moving) {
   pl_renderer_destroy(first);
   int failures = 0;
   pl_status status = PL_E_MEMORY;
-  for (long n = 0; status != PL_OK; n++) {
+  for (long n = 0; status != PL_OK; n += STEP) {
     pl_renderer *renderer = NULL;
     status = frame_with_failure(&s, &again, n, &renderer);
     if (status != PL_OK && status != PL_E_MEMORY)
@@ -157,7 +165,7 @@ static void fail_every_allocation(int threads, bool moving) {
     assert_true(n < 2000);
   }
   print_message("%d threads: %d allocations failed in turn\n", threads, failures);
-  assert_true(failures > 12);
+  assert_true(failures * STEP > 12);
   film_clear(&good);
   film_clear(&other);
   set_clear(&s);

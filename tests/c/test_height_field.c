@@ -439,13 +439,13 @@ static void reports_name_the_body_of_the_widest_cells(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       serial_unit_test(reports_name_the_body_of_the_widest_cells),
-      cmocka_unit_test(no_ray_goes_through),
-      cmocka_unit_test(cliffs_are_closed),
+      serial_unit_test(no_ray_goes_through),
+      serial_unit_test(cliffs_are_closed),
       serial_unit_test(depths_are_the_height_function),
       serial_unit_test(hits_are_decoded),
       cmocka_unit_test(bits_do_not_depend_on_threads_or_what_is_kept),
       cmocka_unit_test(tiles_above_the_limit_are_evicted),
-      cmocka_unit_test(terrains_are_kept_apart),
+      serial_unit_test(terrains_are_kept_apart),
       cmocka_unit_test(builds_can_be_cancelled),
       serial_unit_test(every_failed_allocation_is_an_error),
   };

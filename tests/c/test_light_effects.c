@@ -6,7 +6,7 @@
 
 #include "differences.h"
 
-enum { SAMPLES = 32, SCENES = PL_DRAWS(40, 8) };
+enum { SAMPLES = 32, SCENES = PL_DRAWS(40, 4) };
 
 static const double AU = 149597870700.0;
 
