@@ -29,8 +29,8 @@ PyObject *pl_py_raise(pl_status status) {
   if (PyErr_Occurred())
     return NULL;
   /* Error texts may contain file names, which are not necessarily valid UTF-8. */
-  PyObject *text =
-      PyUnicode_DecodeUTF8(pl_error_text(), (Py_ssize_t)strlen(pl_error_text()), "replace");
+  const char *why = pl_error_text()[0] != '\0' ? pl_error_text() : pl_status_name(status);
+  PyObject *text = PyUnicode_DecodeUTF8(why, (Py_ssize_t)strlen(why), "replace");
   if (text != NULL)
     PyErr_SetObject(exception_of(status), text);
   Py_XDECREF(text);

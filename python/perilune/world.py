@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from perilune import orbits
 from perilune.base import rotations
-from perilune.base.random import generator
+from perilune.base.random import brief_generator, generator
 from perilune.base.timeline import Moment
 from perilune.bodies.shapes import BodyShape
 from perilune.config.camera import Camera
@@ -135,13 +135,18 @@ class World:
         high = 0.0
         if self.config.bodies[name].terrain is not None:
             high = (self.ground(name).bounds_m or (0.0, 0.0))[1]
-        return float(self.body_radii_m[name].max()) + max(high, 0.0)
+        return float(max(self.body_radii_m[name].tolist())) + max(high, 0.0)
 
     def random(self, what: str, interval: int = 1) -> np.random.Generator:
         """The step's random numbers for `what`, independent of all other draws.
 
         All sensors of a step get the same ones, and so do all of `interval` steps."""
         return generator(self.config.seed, what, self.step // interval)
+
+    def brief_random(self, what: str, interval: int = 1) -> np.random.Generator:
+        """The numbers of `random` for trajectories, which draw them at once: see
+        perilune.base.random.brief_generator."""
+        return brief_generator(self.config.seed, what, self.step // interval)
 
     def scene_random(self, what: str) -> np.random.Generator:
         """The scene's random numbers for `what`: the same for all its steps."""

@@ -158,13 +158,12 @@ class _Row:
         needs = map(self.driver.distribution.needs, strengths)
         return isinstance(self.driver.distribution, Hooked) or any(needs)
 
-    def at(self, step: int) -> tuple[float, int]:
-        """Strength and number of the draw at a step."""
-        epoch = step // self.interval
+    def strength_of(self, epoch: int) -> float:
+        """Strength of the draw of a number."""
         strength = self.strength
         if isinstance(strength, tuple):
-            strength = strength[min(epoch, len(strength) - 1)]
-        return strength, epoch
+            return strength[min(epoch, len(strength) - 1)]
+        return strength
 
     def need(self, strength: float) -> tuple[bool, int]:
         """Whether a draw takes normals, and how many numbers."""
@@ -274,8 +273,7 @@ class Plan:
         for row in self._rows:
             driver = row.driver
             if isinstance(driver.distribution, Clipped):
-                strength, _ = row.at(0)
-                limits = driver.distribution.standard_limits(strength)
+                limits = driver.distribution.standard_limits(row.strength_of(0))
                 for name, at, sign in (("clip_min", 0, -1.0), ("clip_max", 1, 1.0)):
                     shares = [
                         0.5 * math.erfc(sign * limit[at] / math.sqrt(2.0))
@@ -308,7 +306,8 @@ class Plan:
         found = dict(self._in_order)
         new: list[tuple[_Row, _Draw]] = []
         for row in self._varying:
-            draw = (seed, *row.at(step))
+            epoch = step // row.interval
+            draw = (seed, row.strength_of(epoch), epoch)
             last = row.last
             if last is not None and last[0] == draw:
                 found[row.driver.path] = last[1]

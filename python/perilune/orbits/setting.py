@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import lru_cache
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -112,10 +113,18 @@ def ephemeris_name(config: Config, name: str) -> str | None:
 
 
 def radii_m(body: Body) -> F64:
-    """Semi-axes, body-fixed."""
-    if body.radii_km is not None:
-        return np.array(body.radii_km) * KM
-    return np.array(_core.BODIES[body.kind]["radii_m"], dtype=np.float64)
+    """Semi-axes, body-fixed; read-only."""
+    return _radii_m(body.kind, body.radii_km)
+
+
+@lru_cache(maxsize=256)
+def _radii_m(kind: str, radii_km: tuple[float, ...] | None) -> F64:
+    if radii_km is not None:
+        found = np.array(radii_km) * KM
+    else:
+        found = np.array(_core.BODIES[kind]["radii_m"], dtype=np.float64)
+    found.flags.writeable = False
+    return found
 
 
 def gm_m3_s2(body: Body) -> float:

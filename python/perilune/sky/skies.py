@@ -226,6 +226,8 @@ class Skies:
 def seen(result: _core.SeenStars) -> NDArray[Any]:
     """Rows of STAR, brightest first."""
     rows = np.empty(len(result["number"]), STAR)
+    if not len(rows):
+        return rows
     rows["number"], rows["magnitude"] = result["number"], result["magnitude"]
     rows["u"], rows["v"] = result["pixel"].T
     return rows

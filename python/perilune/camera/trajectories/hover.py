@@ -28,7 +28,7 @@ def hover(world: World) -> F64:
     """Position and view rotate with the body."""
     spec = world.camera.trajectory
     assert isinstance(spec, Hover)
-    rng = world.random("camera.place", spec.interval)
+    rng = world.brief_random("camera.place", spec.interval)
     lon = math.radians(uniform(rng, spec.lon_deg))
     low, high = (math.sin(math.radians(angle)) for angle in spec.lat_deg)
     lat = math.asin(uniform(rng, (low, high)))

@@ -122,7 +122,7 @@ def _place(world: World, spec: OrbitObject) -> F64:
     bands = _bands(world, spec)
     narrowest = min(bands, key=lambda key: bands[key].solid_angle)
     others = {key: band for key, band in bands.items() if key not in (narrowest, "background")}
-    rng = world.random("camera.place", spec.interval)
+    rng = world.brief_random("camera.place", spec.interval)
     noise = distance_noise_m(world, spec.distance_noise_m)
     target = world.poses[spec.target]
     shift = target[1, :3] - target[0, :3]

@@ -38,7 +38,7 @@ def _root_place(world: World, spec: RandomBox, place: F64, when: int) -> F64:
 
 def _place(world: World, spec: RandomBox) -> F64:
     """The first drawn position that is clear at opening and closing."""
-    rng = world.random("camera.place", spec.interval)
+    rng = world.brief_random("camera.place", spec.interval)
     faults: Counter[str] = Counter()
     for _ in range(_TRIES):
         place = _in_box(rng, spec.min_m, spec.max_m)
@@ -59,7 +59,7 @@ def random_box(world: World) -> F64:
     spec = world.camera.trajectory
     assert isinstance(spec, RandomBox)
     place = _place(world.shared, spec)
-    rng = world.random("camera.turn", spec.interval)
+    rng = world.brief_random("camera.turn", spec.interval)
     turn = aim = None
     if spec.rotation_min_deg is not None and spec.rotation_max_deg is not None:
         angles = _in_box(rng, spec.rotation_min_deg, spec.rotation_max_deg)

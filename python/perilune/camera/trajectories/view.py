@@ -70,7 +70,7 @@ def look(world: World, place: F64, aim: F64, up: F64) -> F64:
 def noise(world: World, spec: Pointing) -> list[F64]:
     """The step's aim jitter, roll and pointing noise as successive rotations, constant during the
     exposure."""
-    rng = world.random("camera.aim")
+    rng = world.brief_random("camera.aim")
     low, high = spec.roll_deg
     roll = math.radians(low + (high - low) * float(rng.random()))
     right, down = math.radians(spec.aim_jitter_deg) * rng.standard_normal(2)
@@ -78,7 +78,7 @@ def noise(world: World, spec: Pointing) -> list[F64]:
     turns = [rotations.axis_angle(axis, angle) for axis, angle in jitter]
     if spec.pointing_noise_deg > 0.0:
         deviation = math.radians(spec.pointing_noise_deg)
-        error = deviation * world.random("camera.pointing").standard_normal(3)
+        error = deviation * world.brief_random("camera.pointing").standard_normal(3)
         angle = rotations.norm(error)
         turns.append(rotations.axis_angle(error / angle, angle))
     return turns
@@ -151,7 +151,7 @@ def distance_noise_m(world: World, noise_m: float) -> float:
     """The step's deviation of a distance, uniform within plus and minus `noise_m`."""
     if noise_m == 0.0:
         return 0.0
-    return float(world.random("camera.distance").uniform(-noise_m, noise_m))
+    return float(world.brief_random("camera.distance").uniform(-noise_m, noise_m))
 
 
 def uniform(rng: np.random.Generator, limits: tuple[float, float]) -> float:

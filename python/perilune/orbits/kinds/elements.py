@@ -36,7 +36,7 @@ def default_frame(equator: str | None) -> str:
 
 def _check_periapsis(periapsis: float, orbit: Elements, parent: Parent) -> None:
     # A spacecraft's bounding sphere may hold orbits: its own shape is not known here.
-    smallest = float(parent.radii_m.min()) if parent.is_body else 0.0
+    smallest = min(parent.radii_m.tolist()) if parent.is_body else 0.0
     if periapsis <= smallest:
         raise ValueError(
             f"the periapsis, {periapsis / KM:.6g} km from the centre of {orbit.around}, lies "
