@@ -243,6 +243,11 @@ class Scene:
         rows, columns = shown.shape[0] // fine.parts, shown.shape[1] // fine.parts
         return shown.reshape(rows, fine.parts, columns, fine.parts, 3).mean(axis=(1, 3))
 
+    def shown(self, quality: Mapping[str, float], noise: int = 0) -> F64:
+        """(height, width, 3): display values at what `quality` of the request says."""
+        light = np.concatenate(self._windows(self._sim, quality, noise))
+        return encode(light, self._sim.white)
+
     def radiance(self, samples: int, tolerance_dn: float, noise: int = 0) -> Radiance:
         """(height, width, 3), W m-2 sr-1; windows below each other."""
         quality = {"samples": samples, "tolerance_dn": tolerance_dn}
@@ -250,7 +255,7 @@ class Scene:
 
     def picture(self, samples: int, tolerance_dn: float, noise: int = 0) -> F64:
         """(height, width, 3): display values."""
-        return encode(self.radiance(samples, tolerance_dn, noise), self._sim.white)
+        return self.shown({"samples": samples, "tolerance_dn": tolerance_dn}, noise)
 
     def square(self, picture: F64, reference: tuple[F64, F64] | None = None) -> float:
         """Mean square error; its expectation is free of the reference's noise, so that small ones

@@ -89,6 +89,8 @@ class Sample(Mapping[str, Array]):
         drivers         key path -> value
         scene_drivers   the same for the scene's first step, if it differs
         overrides       key path -> value: changes by with_overrides, Dataset.set, Stream.set
+        quality         the word of render.quality whose samples, tolerance and filter the frame
+                        has: draft, train (the defaults), reference; adaptive for other values
         lens            {"model", "coefficients"} of the picture's distortion, or None; labels
                         have that of `camera`
         shutter         {"exposure_s", "line_time_s"}: times of a row, and from row to row

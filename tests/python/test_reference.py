@@ -1,4 +1,4 @@
-"""`render.quality: reference`: what it sets, and what contradicts it."""
+"""`render.quality`: what each word sets, and what contradicts it."""
 
 from __future__ import annotations
 
@@ -7,9 +7,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+import yaml
 
 import perilune
 from perilune.config.errors import ConfigError
+from perilune.config.render import QUALITIES, Render
 
 SCENE = Path(__file__).parent / "scene.yaml"
 
@@ -51,3 +53,55 @@ def test_contradictions(render: dict[str, Any], message: str) -> None:
 def test_nearest_name() -> None:
     with pytest.raises(ConfigError, match="did you mean 'reference'"):
         opened(quality="refrence")
+
+
+def keys(sim: perilune.Simulation) -> dict[str, Any]:
+    return {key: getattr(sim.config.render, key) for key in QUALITIES["train"]}
+
+
+@pytest.mark.parametrize("word", QUALITIES)
+def test_a_word_sets_its_keys_and_says_so(word: str) -> None:
+    """In place of what the file says."""
+    tree = yaml.safe_load(SCENE.read_text())
+    tree["render"] = {"samples": 7, "tolerance_dn": 3.0, "texture_filter": "nearest"}
+    tree["camera"] |= {"width": 32, "height": 24}
+    assert perilune.open(tree, base=SCENE.parent).config.render.named_quality == "adaptive"
+    sim = perilune.open(tree, base=SCENE.parent, overrides={"render.quality": word})
+    kept = {"samples": 7} if word == "reference" else {}  # which may have any number
+    assert keys(sim) == {**QUALITIES[word], **kept}
+    assert sim.frame(0, channels=["depth"]).meta["quality"] == word
+    assert keys(opened(quality=word, **QUALITIES[word])) == QUALITIES[word]
+
+
+@pytest.mark.parametrize("word", ["draft", "train"])
+@pytest.mark.parametrize(
+    ("key", "value"), [("samples", 7), ("tolerance_dn", 0.5), ("texture_filter", "nearest")]
+)
+def test_a_key_beside_a_word_is_refused(word: str, key: str, value: object) -> None:
+    with pytest.raises(ConfigError, match=f"render.{key}: is {value}, but quality: {word} is"):
+        opened(quality=word, **{key: value})
+
+
+def test_a_configuration_that_says_nothing_trains() -> None:
+    assert Render().named_quality == "train"
+    assert all(getattr(Render(), key) == value for key, value in QUALITIES["train"].items())
+    assert Render(tolerance_dn=0.0).named_quality == "adaptive"
+
+
+def test_a_word_has_the_bits_of_its_keys() -> None:
+    a = opened(quality="draft").frame(1, channels=["radiance"])["radiance"]
+    b = opened(**QUALITIES["draft"]).frame(1, channels=["radiance"])["radiance"]
+    assert np.array_equal(a, b)
+
+
+def test_drafts_are_coarser_than_what_one_trains_with() -> None:
+    draft, train, reference = (QUALITIES[word] for word in ("draft", "train", "reference"))
+    assert draft["samples"] < train["samples"] < reference["samples"]
+    assert draft["tolerance_dn"] > train["tolerance_dn"] > reference["tolerance_dn"] == 0.0
+
+
+def test_a_study_spells_the_word_out() -> None:
+    """So that it may change one of its keys."""
+    changes = opened(quality="draft").config.render.spelt_out
+    sim = opened(quality="draft").with_overrides({**changes, "render.samples": 3})
+    assert keys(sim) == {**QUALITIES["draft"], "samples": 3}

@@ -66,11 +66,16 @@ def _run(args: Namespace) -> int:
     sim = open_simulation(args)
     with Bar("effect") as bar:
         rows = sim.plan(args.frame, measure=args.measure, threads=args.threads, progress=bar)
+    render = sim.config.render
     if args.json:
-        print(json.dumps(_json_plan(rows), indent=2))
+        print(json.dumps({**_json_plan(rows), "quality": render.named_quality}, indent=2))
         return OK
     print(_table(rows))
     print(rows.text)
+    print(
+        f"quality: {render.named_quality} ({render.samples} samples, tolerance "
+        f"{render.tolerance_dn:g} DN, {render.texture_filter})"
+    )
     for key, text in sources(sim.config).items():
         if key != "sun" and text.startswith("series"):
             print(f"{key}: its place is from {text}")

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Final, Literal
 
 from pydantic import Field, model_validator
 
-from perilune.config.errors import fail
+from perilune.config.errors import fail, fail_unread
 from perilune.config.types import Integer, NonNegative, Strict
 
 TextureFilter = Literal[
@@ -20,15 +20,26 @@ TextureFilter = Literal[
     "anisotropic_16",
 ]
 
+QUALITIES: Final[Mapping[str, Mapping[str, Any]]] = {
+    "draft": {"samples": 4, "tolerance_dn": 4.0, "texture_filter": "trilinear"},
+    "train": {"samples": 16, "tolerance_dn": 1.0, "texture_filter": "anisotropic_16"},
+    "reference": {"samples": 256, "tolerance_dn": 0.0, "texture_filter": "anisotropic_16"},
+}
+"""What each word of `render.quality` sets; those of `train` are the defaults of the keys."""
+
 
 class Render(Strict):
     """Image quality and outputs of a frame."""
 
-    quality: Literal["adaptive", "reference"] = "adaptive"
-    """adaptive: saves effects and samples within `tolerance_dn`. reference: `tolerance_dn` is 0
-    and `force_off` empty. Nothing is left out, shared between pixels or smoothed, every pixel gets
-    all samples, and the image converges to the light of the scene as samples grow. See
-    docs/convergence.md."""
+    quality: Literal["adaptive", "draft", "train", "reference"] = "adaptive"
+    """One word for `samples`, `tolerance_dn` and `texture_filter`. adaptive: as the keys say, whose
+    defaults are those of train. draft: 4 samples, a tolerance of 4 and trilinear, to look at.
+    train: 16 samples, a tolerance of 1 and anisotropic_16. reference: 256 samples, or as `samples`
+    says, a tolerance of 0 and no `force_off`: nothing is left out, shared between pixels or
+    smoothed, every pixel gets all samples, and the image converges to the light of the scene as
+    samples grow. Other values beside a word are refused; a word that an override sets replaces
+    those of the file. docs/cost.md shows what each costs, docs/convergence.md what reference
+    guarantees."""
     samples: Annotated[Integer, Field(ge=1, le=65536)] = 16
     """Colour samples per pixel. With adaptive sampling, pixels whose noise is within three
     tolerances get fewer and outlines up to twice as many, for about the error of this number
@@ -45,7 +56,7 @@ class Render(Strict):
     surfaces take a quarter of the steps."""
     tolerance_dn: NonNegative = 1.0
     """Largest change of any pixel by an effect that may be left out. 0 keeps every effect that
-    applies. Default: 1, or 0 with `quality: reference`."""
+    applies."""
     force_on: tuple[str, ...] = ()
     """Effects that are kept whatever their bound. `perilune plan` lists the names."""
     force_off: tuple[str, ...] = ()
@@ -61,25 +72,45 @@ class Render(Strict):
 
     @model_validator(mode="before")
     @classmethod
-    def _tolerance_of_reference(cls, data: Any) -> Any:
-        if isinstance(data, Mapping) and data.get("quality") == "reference":
-            return {"tolerance_dn": 0.0, **data}
-        return data
+    def _of_word(cls, data: Any) -> Any:
+        word = data.get("quality") if isinstance(data, Mapping) else None
+        return {**QUALITIES[word], **data} if isinstance(word, str) and word in QUALITIES else data
 
     @model_validator(mode="after")
-    def _whole_reference(self) -> Render:
-        if self.quality == "reference" and self.tolerance_dn != 0.0:
-            fail(
-                "tolerance_dn",
-                f"is {self.tolerance_dn:g}, but quality: reference is a tolerance of 0: leave one "
-                "of them out",
-            )
+    def _as_the_word_says(self) -> Render:
+        for key, value in QUALITIES.get(self.quality, {}).items():
+            given = getattr(self, key)
+            if given != value and (self.quality, key) != ("reference", "samples"):
+                fail_unread(
+                    key,
+                    f"is {_text(given)}, but quality: {self.quality} is {_text(value)}: leave one "
+                    "of them out",
+                )
         if self.quality == "reference" and self.force_off:
-            fail(
+            fail_unread(
                 "force_off",
                 f"leaves out {self.force_off[0]}, but quality: reference leaves out nothing",
             )
         return self
+
+    @property
+    def spelt_out(self) -> dict[str, Any]:
+        """Overrides that say what the word says, so that others may stand beside them."""
+        keys = {f"render.{key}": getattr(self, key) for key in QUALITIES["train"]}
+        return {"render.quality": "adaptive", **keys}
+
+    @property
+    def named_quality(self) -> str:
+        """The word whose values the keys have, whether or not it was given; adaptive for none."""
+        if self.quality != "adaptive":
+            return self.quality
+        words = (
+            word
+            for word, keys in QUALITIES.items()
+            if word != "reference"  # which leaves out nothing, too
+            and all(getattr(self, key) == value for key, value in keys.items())
+        )
+        return next(words, "adaptive")
 
     @model_validator(mode="after")
     def _not_both(self) -> Render:
@@ -87,3 +118,7 @@ class Render(Strict):
         if both:
             fail("force_off", f"{both[0]} is in force_on too")
         return self
+
+
+def _text(value: object) -> str:
+    return f"{value:g}" if isinstance(value, float) else str(value)

@@ -28,7 +28,7 @@ class Rows:
     def __init__(self, sim: Simulation, index: int, threads: int | None) -> None:
         self.camera = Camera(sim, index, threads)
         render = sim.config_at(index)[0].render
-        self.tolerance_dn = 0.0 if render.quality == "reference" else render.tolerance_dn
+        self.spelt_out = render.spelt_out
         self.on, self.off = set(render.force_on), set(render.force_off)
         self.exposed = self._exposure()
 
@@ -64,8 +64,7 @@ class Rows:
             (forced_on if on else forced_off).add(name)
         return {
             **self.exposed,
-            "render.quality": "adaptive",
-            "render.tolerance_dn": self.tolerance_dn,
+            **self.spelt_out,
             "render.force_on": sorted(forced_on),
             "render.force_off": sorted(forced_off),
         }

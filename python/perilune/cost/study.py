@@ -187,8 +187,7 @@ class Study:
         kept = [name for name in render.force_on if name not in chance]
         off = sorted({*render.force_off, *chance})
         return {
-            "render.quality": "adaptive",
-            "render.tolerance_dn": render.tolerance_dn,
+            **render.spelt_out,
             "render.force_on": kept,
             "render.force_off": off,
         }

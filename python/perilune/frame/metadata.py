@@ -105,6 +105,7 @@ class Metadata:
             "drivers": dict(self._drivers),
             "scene_drivers": self._document.scene_values(moment.index),
             "overrides": dict(self._document.changes),
+            "quality": self._config.render.named_quality,
             "articulation": {name: row.meta for name, row in self._posed.items()},
             "lens": picture_lens(self._config.camera),
             "shutter": shutter_times(self._config.camera),
