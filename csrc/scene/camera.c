@@ -73,14 +73,20 @@ pl_status pl_camera_check_lens(const pl_camera *camera) {
     const double along = (double)(i / 4) / (BORDER - 1), side = i % 2;
     const double u = -0.5 + w * (i % 4 < 2 ? along : side);
     const double v = -0.5 + h * (i % 4 < 2 ? side : along);
-    if (pl_vec3_norm(pl_camera_ray(camera, u, v)) == 0.0)
+    if (pl_vec3_norm(pl_camera_ray(camera, u, v)) > 0.0)
+      continue;
+    if (!isfinite(lens->limit))
       return pl_fail(PL_E_RANGE,
-                     "camera: the lens %s: pixel (%g, %g) of the image lies beyond the angle of "
-                     "%.4g deg off the axis, %.5g focal lengths from the principal point",
-                     lens->limit_rad < lens->model->angle_max_rad
-                         ? "folds the image over"
-                         : "sees no farther than its model says",
-                     u, v, lens->limit_rad * 180.0 / PL_PI, lens->limit);
+                     "camera: the lens has no direction for pixel (%g, %g): an %s image spans at "
+                     "most 360 by 180 deg",
+                     u, v, lens->model->name);
+    return pl_fail(PL_E_RANGE,
+                   "camera: the lens %s: pixel (%g, %g) of the image lies beyond the angle of "
+                   "%.4g deg off the axis, %.5g focal lengths from the principal point",
+                   lens->limit_rad < lens->model->angle_max_rad
+                       ? "folds the image over"
+                       : "sees no farther than its model says",
+                   u, v, lens->limit_rad * 180.0 / PL_PI, lens->limit);
   }
   return PL_OK;
 }

@@ -39,12 +39,18 @@ pl_status pl_lens_init(const pl_lens_model *model, const double *coefficients, p
       return pl_fail(PL_E_RANGE, "lens: %s must be finite", model->coefficients[i]);
     out->c[i] = coefficients[i];
   }
+  out->limit_rad = model->angle_max_rad;
+  out->limit = INFINITY;
+  if (model->project != NULL)
+    return PL_OK;
   out->limit_rad = find_limit(out);
   out->limit = radius_at(out, out->limit_rad, &slope);
   return PL_OK;
 }
 
 bool pl_lens_project(const pl_lens *lens, pl_vec3 d, pl_vec3 *out) {
+  if (lens->model->project != NULL)
+    return lens->model->project(d, out);
   const double across = sqrt(d.x * d.x + d.y * d.y);
   const double theta = atan2(across, d.z);
   if (!(theta < lens->limit_rad))
@@ -128,6 +134,8 @@ static bool undo_shift(const pl_lens *lens, double x, double y, pl_vec3 *directi
 }
 
 bool pl_lens_unproject(const pl_lens *lens, double x, double y, pl_vec3 *direction) {
+  if (lens->model->unproject != NULL)
+    return lens->model->unproject(x, y, direction);
   const bool shifts = lens->model->shift != NULL;
   double radius = sqrt(x * x + y * y);
   if (!(radius < lens->limit) && !shifts)
@@ -157,6 +165,8 @@ static pl_lens_extent polar_extent(double r0, double r1, double middle, double h
 }
 
 pl_lens_extent pl_lens_bound(const pl_lens *lens, pl_vec3 axis, double half_angle_rad) {
+  if (lens->model->bound != NULL)
+    return lens->model->bound(axis, half_angle_rad);
   const double rounding = 1e-12;
   const double theta = atan2(sqrt(axis.x * axis.x + axis.y * axis.y), axis.z);
   const double from = fmax(theta - half_angle_rad, 0.0);

@@ -1,8 +1,9 @@
 /* Lens distortion: one table of distortion models with projection, its inverse, and bounds.
  *
  * A direction (x, y, z) in camera axes (x right, y down, z forward) maps to a point on the image
- * plane at unit focal length, which K maps to pixels. Every model has a radial curve, monotone up
- * to the angle `limit_rad`; some add a small tangential shift. */
+ * plane at unit focal length, which K maps to pixels. Models of lenses have a radial curve,
+ * monotone up to the angle `limit_rad`; some add a small tangential shift. Other models bring
+ * projection, inverse and bound themselves, as panoramas do. */
 #ifndef PL_SCENE_LENS_H
 #define PL_SCENE_LENS_H
 
@@ -12,6 +13,11 @@
 #include "math/vec.h"
 
 enum { PL_LENS_COEFFICIENTS = 8 };
+
+/* Rectangle on the image plane; empty if x0 > x1. */
+typedef struct pl_lens_extent {
+  double x0, y0, x1, y1;
+} pl_lens_extent;
 
 typedef struct pl_lens_model {
   const char *name, *doc;
@@ -26,6 +32,11 @@ typedef struct pl_lens_model {
   pl_vec3 (*shift)(const double *c, double x, double y, double slope[4]);
   /* Upper bound of each component of the shift within undistorted `radius` of the axis. */
   double (*shift_max)(const double *c, double radius);
+  /* In place of all of these, for projections that are not symmetric about the axis; as
+   * pl_lens_project, pl_lens_unproject and pl_lens_bound. All three, or NULL. */
+  bool (*project)(pl_vec3 direction, pl_vec3 *out);
+  bool (*unproject)(double x, double y, pl_vec3 *direction);
+  pl_lens_extent (*bound)(pl_vec3 axis, double half_angle_rad);
 } pl_lens_model;
 
 extern const pl_lens_model pl_lens_models[];
@@ -48,10 +59,6 @@ bool pl_lens_project(const pl_lens *lens, pl_vec3 direction, pl_vec3 *out);
  * this branch maps to the point. */
 bool pl_lens_unproject(const pl_lens *lens, double x, double y, pl_vec3 *direction);
 
-/* Rectangle on the image plane. */
-typedef struct pl_lens_extent {
-  double x0, y0, x1, y1;
-} pl_lens_extent;
 /* Returns a rectangle that contains the images of all directions within half_angle_rad of a unit
  * axis; x0 > x1 if they have no image. */
 pl_lens_extent pl_lens_bound(const pl_lens *lens, pl_vec3 axis, double half_angle_rad);

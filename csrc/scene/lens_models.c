@@ -38,16 +38,64 @@ static double fisheye_radius(const double *c, double theta, double *slope) {
   return theta * (1.0 + s * (c[0] + s * (c[1] + s * (c[2] + s * c[3]))));
 }
 
+/* Equirectangular panorama: azimuth to the right and elevation downwards, both in radians. Its left
+ * and right edges are the same half plane behind the camera, top and bottom one direction each. */
+static const double EDGE = 1.0 + 1e-9; /* rounding at the edges of an image of all directions */
+
+static bool equirectangular_project(pl_vec3 d, pl_vec3 *out) {
+  const double level = sqrt(d.x * d.x + d.z * d.z);
+  *out = (pl_vec3){atan2(d.x, d.z), atan2(d.y, level), 1.0};
+  return level > 0.0 || d.y != 0.0;
+}
+
+static bool equirectangular_unproject(double x, double y, pl_vec3 *direction) {
+  const double level = cos(y);
+  *direction = (pl_vec3){level * sin(x), sin(y), level * cos(x)};
+  return fabs(x) <= EDGE * PL_PI && fabs(y) <= EDGE * 0.5 * PL_PI;
+}
+
+/* A cone that contains a pole, or meets the half plane behind the camera, spans all azimuths. */
+static pl_lens_extent equirectangular_bound(pl_vec3 axis, double half_angle_rad) {
+  const double room = 1e-12, most = 0.5 * PL_PI;
+  const double level = sqrt(axis.x * axis.x + axis.z * axis.z);
+  const double azimuth = atan2(axis.x, axis.z), elevation = atan2(axis.y, level);
+  const double y0 = elevation - half_angle_rad - room, y1 = elevation + half_angle_rad + room;
+  pl_lens_extent out = {-PL_PI - room, fmax(y0, -most), PL_PI + room, fmin(y1, most)};
+  if (!(y0 > -most && y1 < most && half_angle_rad < most))
+    return out;
+  const double half = asin(fmin(1.0, sin(half_angle_rad) / cos(elevation))) + room;
+  if (azimuth - half > -PL_PI && azimuth + half < PL_PI) {
+    out.x0 = azimuth - half;
+    out.x1 = azimuth + half;
+  }
+  return out;
+}
+
 /* Below 90 degrees, where tan theta is infinite: no real lens has a wider image plane. */
 #define BROWN_CONRADY_MAX_RAD (89.9 * PL_PI / 180.0)
 
 const pl_lens_model pl_lens_models[] = {
-    {"brown_conrady",
-     "radial and tangential polynomials about the pinhole image; up to a right angle off the axis",
-     brown_conrady_names, 8, BROWN_CONRADY_MAX_RAD, brown_conrady_radius, brown_conrady_shift,
-     brown_conrady_shift_max},
-    {"fisheye",
-     "the angle off the axis becomes the radius, with a polynomial; sees up to straight behind",
-     fisheye_names, 4, PL_PI, fisheye_radius, NULL, NULL},
+    {.name = "brown_conrady",
+     .doc = "radial and tangential polynomials about the pinhole image; up to a right angle off "
+            "the axis",
+     .coefficients = brown_conrady_names,
+     .count = 8,
+     .angle_max_rad = BROWN_CONRADY_MAX_RAD,
+     .radius = brown_conrady_radius,
+     .shift = brown_conrady_shift,
+     .shift_max = brown_conrady_shift_max},
+    {.name = "fisheye",
+     .doc = "the angle off the axis becomes the radius, with a polynomial; sees up to straight "
+            "behind",
+     .coefficients = fisheye_names,
+     .count = 4,
+     .angle_max_rad = PL_PI,
+     .radius = fisheye_radius},
+    {.name = "equirectangular",
+     .doc = "a panorama of all directions: azimuth and elevation become column and row",
+     .angle_max_rad = PL_PI,
+     .project = equirectangular_project,
+     .unproject = equirectangular_unproject,
+     .bound = equirectangular_bound},
 };
 const size_t pl_lens_model_count = sizeof pl_lens_models / sizeof pl_lens_models[0];

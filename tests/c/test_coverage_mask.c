@@ -122,7 +122,7 @@ static const double BROWN[8] = {-0.28, 0.09, 1e-3, -8e-4, -0.012, 0.01, -0.002, 
 static const double EYE[4] = {-0.02, 0.004, -0.001, 1e-4};
 
 static void bend(pl_camera *camera, test_random *random) {
-  const int model = random_below(random, 2);
+  const int model = random_below(random, 3);
   assert_int_equal(pl_lens_init(&pl_lens_models[model], model == 0 ? BROWN : EYE, &camera->lens),
                    PL_OK);
 }

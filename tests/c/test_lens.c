@@ -47,6 +47,31 @@ static void test_round_trips(void **state) {
   round_trip(&lens, 0.99 * lens.limit_rad);
   lens = lens_of(1, none);
   round_trip(&lens, 3.1);
+  lens = lens_of(2, none);
+  round_trip(&lens, PL_PI);
+}
+
+/* Columns are azimuths to the right, rows elevations downwards; beyond a whole turn there is
+ * nothing. */
+static void test_panorama(void **state) {
+  (void)state;
+  const double none[8] = {0};
+  const pl_lens lens = lens_of(2, none);
+  const struct {
+    pl_vec3 ray;
+    double x, y;
+  } known[] = {{{1, 0, 0}, 0.5 * PL_PI, 0.0},  {{-1, 0, -1}, -0.75 * PL_PI, 0.0},
+               {{0, 1, 1}, 0.0, 0.25 * PL_PI}, {{0, -3, 0}, 0.0, -0.5 * PL_PI},
+               {{0, 0, -2}, PL_PI, 0.0},       {{1, sqrt(2.0), -1}, 0.75 * PL_PI, 0.25 * PL_PI}};
+  pl_vec3 out;
+  for (size_t k = 0; k < sizeof known / sizeof known[0]; k++) {
+    assert_true(pl_lens_project(&lens, known[k].ray, &out));
+    assert_true(fabs(out.x - known[k].x) < 1e-15 && fabs(out.y - known[k].y) < 1e-15);
+  }
+  assert_false(pl_lens_project(&lens, (pl_vec3){0, 0, 0}, &out));
+  assert_true(pl_lens_unproject(&lens, -PL_PI, 0.5 * PL_PI, &out));
+  assert_false(pl_lens_unproject(&lens, 3.15, 0.0, &out));
+  assert_false(pl_lens_unproject(&lens, 0.0, -1.58, &out));
 }
 
 /* With k1 = -1/3 alone the radius r - r^3/3 stops to grow at r = 1: 45 degrees, radius 2/3. */
@@ -70,12 +95,14 @@ static void test_fold(void **state) {
 static void test_bounds(void **state) {
   (void)state;
   test_random random = {.seed = 6};
-  const pl_lens lenses[2] = {lens_of(0, brown), lens_of(1, eye)};
-  for (int i = 0; i < 2000; i++) {
-    const pl_lens *lens = &lenses[i % 2];
+  const pl_lens lenses[3] = {lens_of(0, brown), lens_of(1, eye), lens_of(2, eye)};
+  int narrow = 0;
+  for (int i = 0; i < 3000; i++) {
+    const pl_lens *lens = &lenses[i % 3];
     const pl_vec3 axis = random_direction(&random);
     const double half = random_scale(&random, 1e-4, 3.0);
     const pl_lens_extent e = pl_lens_bound(lens, axis, half);
+    narrow += i % 3 == 2 && e.x1 - e.x0 < 1.0;
     for (int k = 0; k < 50; k++) {
       const pl_vec3 across = pl_vec3_unit(pl_vec3_cross(axis, random_direction(&random)));
       const double a = k < 25 ? half : half * random_unit(&random);
@@ -87,12 +114,14 @@ static void test_bounds(void **state) {
       assert_true(image.y >= e.y0 - 1e-9 && image.y <= e.y1 + 1e-9);
     }
   }
+  assert_true(narrow > 500); /* not all panoramas whole */
 }
 
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_round_trips),
       cmocka_unit_test(test_fold),
+      cmocka_unit_test(test_panorama),
       cmocka_unit_test(test_bounds),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

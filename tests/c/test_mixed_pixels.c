@@ -148,6 +148,7 @@ static void test_lenses(void **state) {
   (void)state;
   check_worlds(8, 2, true, 0, 4);
   check_worlds(8, 2, true, 1, 5);
+  check_worlds(8, 2, true, 2, 6);
 }
 
 /* More ellipsoids than are looked at one by one: nothing is missed. */

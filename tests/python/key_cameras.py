@@ -5,7 +5,7 @@ from __future__ import annotations
 from tests.python.key_sections import Section, base
 
 from perilune.config.camera import Camera, Exposure
-from perilune.config.lens import BrownConrady, Fisheye, Rectilinear
+from perilune.config.lens import BrownConrady, Equirectangular, Fisheye, Rectilinear
 from perilune.config.lens_flare import LensFlare
 from perilune.config.sensor import Compression, CosmicRays, ImageSensor, PointSpread, SensorExposure
 from perilune.config.sensors import Sensor
@@ -122,6 +122,13 @@ CAMERAS = [
         (*AT_CAMERA, "lens"),
         {"model": "fisheye"},
         dict.fromkeys(("k1", "k2", "k3", "k4"), 0.05) | LENS,
+    ),
+    Section(
+        Equirectangular,
+        (*AT_CAMERA, "lens"),
+        {"model": "equirectangular"},
+        {key: LENS[key] for key in ("focus_distance_m", "aperture_mm")},
+        {"camera.fov_deg": None},
     ),
     Section(
         ImageSensor,

@@ -54,7 +54,7 @@ MODELS = {
     "Camera": MOVES,
     "Sensor": MOVES,
     "Exposure": rule("light exposure"),
-    **dict.fromkeys(("Rectilinear", "BrownConrady", "Fisheye"), LENS),
+    **dict.fromkeys(("Rectilinear", "BrownConrady", "Fisheye", "Equirectangular"), LENS),
     **dict.fromkeys(("ImageSensor", "SensorExposure"), EXPOSED),
     **dict.fromkeys(("PointSpread", "CosmicRays", "LensFlare", "Compression"), rule("sensor")),
     **dict.fromkeys(

@@ -59,10 +59,13 @@ def intrinsics(camera: Camera) -> F64:
     if camera.K is not None:
         return np.array(camera.K).reshape(3, 3)
     focal = camera.focal_px
+    cx, cy = 0.5 * (camera.width - 1), 0.5 * (camera.height - 1)
+    if focal is None and camera.is_panorama:  # all directions
+        fx, fy = camera.width / (2.0 * math.pi), camera.height / math.pi
+        return np.array([[fx, 0.0, cx], [0.0, fy, cy], [0.0, 0.0, 1.0]])
     if focal is None:
         assert camera.fov_deg is not None  # the schema asks for one of the three
         focal = 0.5 * camera.width / math.tan(0.5 * math.radians(camera.fov_deg))
-    cx, cy = 0.5 * (camera.width - 1), 0.5 * (camera.height - 1)
     return np.array([[focal, 0.0, cx], [0.0, focal, cy], [0.0, 0.0, 1.0]])
 
 

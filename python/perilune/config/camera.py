@@ -63,7 +63,8 @@ class Camera(Strict):
     height: Annotated[Integer, Field(ge=1, le=32768)]
     """Image height in pixels."""
     fov_deg: Annotated[float, Field(strict=True, gt=0.0, lt=180.0)] | None = None
-    """Horizontal field of view, edge to edge."""
+    """Horizontal field of view, edge to edge. A panorama takes focal_px or K in its place, or none:
+    it then shows all directions."""
     focal_px: Positive | None = None
     """Focal length in pixels."""
     K: Matrix | None = None
@@ -88,7 +89,7 @@ class Camera(Strict):
 
     @model_validator(mode="after")
     def _intrinsics(self) -> Camera:
-        self._exactly_one(*INTRINSICS)
+        self._exactly_one(*INTRINSICS, optional=self.is_panorama)
         if self.K is not None:
             check_matrix(self.K)
         return self
@@ -99,18 +100,36 @@ class Camera(Strict):
         return self.exposure_time_s + 1e-6 * self.line_time_us * (self.height - 1)
 
     @property
+    def is_panorama(self) -> bool:
+        """Whether its image is equirectangular."""
+        return self.lens is not None and self.lens.model == "equirectangular"
+
+    @property
     def label_lens(self) -> Literal["distorted", "undistorted"] | None:
         """Whether labels include the lens's distortion; None for a camera without distortion."""
-        return None if self.lens is None or self.lens.model == "rectilinear" else self.lens.labels
-
-    def check_focus(self, where: str) -> None:
-        """Inside a validator: refuses an incomplete focus. where: key path of the lens."""
         lens = self.lens
+        if lens is None or lens.model == "rectilinear":
+            return None
+        return "distorted" if lens.model == "equirectangular" else lens.labels
+
+    def check_lens(self, where: str, fov: str) -> None:
+        """Inside a validator: refuses an incomplete focus, and a panorama with a field of view.
+        where, fov: key paths of lens and fov_deg."""
+        lens = self.lens
+        if self.is_panorama and self.fov_deg is not None:
+            fail(
+                fov,
+                f"leave it out with {where}.model: equirectangular, which shows all directions, or "
+                "give focal_px or K in pixels per radian for a part of them",
+            )
+        if not self.is_panorama and all(getattr(self, key) is None for key in INTRINSICS):
+            fail(fov, "required: the platform's camera is a panorama, and this sensor is none")
         if lens is None or lens.focus_distance_m is None:
             if lens is not None and lens.aperture_mm is not None:
                 fail(f"{where}.aperture_mm", "blurs nothing without focus_distance_m")
             return
-        if lens.model == "fisheye":
-            fail(f"{where}.focus_distance_m", "a fisheye lens has no plane of focus")
+        if lens.model in ("fisheye", "equirectangular"):
+            kind = "a fisheye lens" if lens.model == "fisheye" else "a panorama"
+            fail(f"{where}.focus_distance_m", f"{kind} has no plane of focus")
         if lens.aperture_mm is None and self.sensor is None:
             fail(f"{where}.aperture_mm", "required for a focus where there is no `sensor`")

@@ -59,6 +59,15 @@ class Fisheye(_Bent):
     k4: Finite = 0.0
 
 
+class Equirectangular(_Lens):
+    """A panorama: columns are azimuths, rows elevations, in equal steps; the optical axis is in the
+    middle. Without focal_px and K it shows all directions, 360 by 180 degrees; these give a part of
+    them, in pixels per radian. It has no plane of focus. Images do not join at their left and right
+    edges: what lies on both has a box from edge to edge."""
+
+    model: Literal["equirectangular"]
+
+
 def _modelled(value: Any) -> Any:
     if isinstance(value, Mapping) and "model" not in value:
         return {"model": "rectilinear", **value}
@@ -66,6 +75,6 @@ def _modelled(value: Any) -> Any:
 
 
 Lens = Annotated[
-    Annotated[Rectilinear | BrownConrady | Fisheye, Field(discriminator="model")],
+    Annotated[Rectilinear | BrownConrady | Fisheye | Equirectangular, Field(discriminator="model")],
     BeforeValidator(_modelled),
 ]

@@ -177,7 +177,7 @@ class Config(Strict):
             known(f"volumes.{place}.parent", volume.parent, [*bodies, *self.spacecraft])
         check_motion(self)
         for name, camera in self.cameras.items():
-            camera.check_focus(self.place(name, "lens"))
+            camera.check_lens(self.place(name, "lens"), self.place(name, "fov_deg"))
         return self
 
     @model_validator(mode="after")

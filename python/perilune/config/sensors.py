@@ -90,6 +90,7 @@ class Sensor(Strict):
         """The platform's camera with the keys of this sensor."""
         own = {key: getattr(self, key) for key in Camera.model_fields if key != "trajectory"}
         own = {key: value for key, value in own.items() if value is not None}
-        if any(key in own for key in INTRINSICS):
+        whole = self.lens is not None and self.lens.model == "equirectangular"
+        if whole or any(key in own for key in INTRINSICS):
             own = {**dict.fromkeys(INTRINSICS), **own}
         return platform.model_copy(update=own)

@@ -123,6 +123,7 @@ CAMERA: list[tuple[Any, ...]] = [
     ("camera.K", [[1, 0, 0], [0, 1, 0], [0, 0, 1]], "camera.K"),
     ("camera.K", "identity", "list of values"),
     ("camera.lens", {"model": "fish"}, "did you mean 'fisheye'"),
+    ("camera.lens", {"model": "equirectangular"}, "camera.fov_deg", "focal_px"),
     ("camera.lens", {"k1": 0.1}, "model"),
     ("camera.lens", "fisheye", "must be a mapping"),
     ("camera.sensor", {"preset": "imx147"}, "did you mean 'imx174'"),

@@ -29,6 +29,8 @@ _ROUNDING = 4.0
 """Errors of depths and ranges, in steps of their number type."""
 _ITERATIONS = 12
 """Fixed-point steps from a pixel to its ray through a lens."""
+_BEFORE_RAD = 1.5
+"""Azimuths of a panorama whose rays have a depth that can tell a place."""
 
 
 def counted(mask: Array) -> str:
@@ -60,7 +62,13 @@ class View:
         pixels = np.stack([x, y], axis=2)
         homogeneous = np.concatenate([pixels, np.ones((*x.shape, 1))], axis=2)
         rays = homogeneous @ np.linalg.inv(K).T
-        if camera["lens"] is not None:
+        if camera["lens"] is not None and camera["lens"]["model"] == "equirectangular":
+            azimuth, elevation = rays[:, :, 0], rays[:, :, 1]
+            before = np.abs(azimuth) < _BEFORE_RAD
+            azimuth = np.where(before, azimuth, np.nan)
+            elevation = np.tan(np.where(before, elevation, np.nan)) / np.cos(azimuth)
+            rays = np.stack([np.tan(azimuth), elevation, rays[:, :, 2]], axis=2)
+        elif camera["lens"] is not None:
             for _ in range(_ITERATIONS):
                 away = project(camera, rays.reshape(-1, 3)).reshape(pixels.shape) - pixels
                 rays[:, :, :2] -= away / (K[0, 0], K[1, 1])

@@ -158,16 +158,18 @@ def _coverage(arrays: Arrays, info: Info) -> Iterator[str]:
             yield f"instance is in no layer of coverage_instance at {counted(wrong)}"
 
 
-def _geometry(arrays: Arrays) -> Iterator[str]:
+def _geometry(arrays: Arrays, record: Record) -> Iterator[str]:
     """Depth, range, normals and motion agree with what is hit."""
     hit = arrays["instance"] != 0 if "instance" in arrays else None
+    lens = record["camera"]["lens"]
+    behind = lens is not None and lens["model"] in ("fisheye", "equirectangular")
     for name in ("depth", "range"):
         if name in arrays:
-            if (arrays[name] < 0).any():
+            if (arrays[name] < 0).any() and not (behind and name == "depth"):
                 yield f"{name} is below 0 at {counted(arrays[name] < 0)}"
-            if hit is not None and (arrays[name][~hit] > 0).any():
-                wrong = (arrays[name] > 0) & ~hit
-                yield f"{name} is above 0 where nothing is hit, at {counted(wrong)}"
+            if hit is not None and arrays[name][~hit].any():
+                wrong = (arrays[name] != 0) & ~hit
+                yield f"{name} is not 0 where nothing is hit, at {counted(wrong)}"
     for name in ("normal", "geometric_normal"):
         if name in arrays and arrays[name].dtype == np.float32:
             length = np.linalg.norm(arrays[name].astype(np.float64), axis=2)
@@ -213,7 +215,7 @@ def faults(
     yield from _objects(shaped, record)
     yield from _parts(shaped, info)
     yield from _coverage(shaped, info)
-    yield from _geometry(shaped)
+    yield from _geometry(shaped, record)
     yield from geometry_faults(info, record, shaped, beside)
     yield from scan_faults(info, record, arrays)
     if KEYPOINTS in arrays:

@@ -81,10 +81,15 @@ def refuse_unfit(sim: Simulation) -> None:
     for name, camera in sim.config.cameras.items():
         if camera.label_lens == "distorted":
             where = "camera" if name is None else f"sensors.{name}"
+            way = (
+                "a panorama is none"
+                if camera.is_panorama
+                else "say lens.labels: undistorted for labels of that pinhole beside distorted "
+                "images, or remove the lens"
+            )
             raise ConfigError(
                 f"{sim.document.source}: {where}.lens: a BOP camera is a pinhole, which K "
-                "describes whole; say lens.labels: undistorted for labels of that pinhole beside "
-                "distorted images, or remove the lens"
+                f"describes whole; {way}"
             )
     if not sim.config.render.amodal:
         raise ConfigError(

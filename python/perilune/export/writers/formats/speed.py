@@ -68,9 +68,14 @@ class Speed(Format):
         for name, camera in sim.config.cameras.items():
             if camera.label_lens == "distorted":
                 where = "camera" if name is None else f"sensors.{name}"
+                way = (
+                    "remove it"
+                    if camera.is_panorama
+                    else "say lens.labels: undistorted, or remove it"
+                )
                 raise ConfigError(
                     f"{sim.document.source}: {where}.lens: camera.json has OpenCV's distortion of "
-                    "radial and tangential terms alone; say lens.labels: undistorted, or remove it"
+                    f"radial and tangential terms alone; {way}"
                 )
         return {TARGET: target}
 
