@@ -375,10 +375,14 @@ static void test_density(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      serial_unit_test(test_second_sun),    serial_unit_test(test_converges),
-      serial_unit_test(test_hidden_mirror), cmocka_unit_test(test_same_bits),
-      serial_unit_test(test_table),         serial_unit_test(test_bumps_count_as_roughness),
-      serial_unit_test(test_density),       serial_unit_test(test_edges),
+      converging_unit_test(test_second_sun),
+      converging_unit_test(test_converges),
+      converging_unit_test(test_hidden_mirror),
+      cmocka_unit_test(test_same_bits),
+      serial_unit_test(test_table),
+      serial_unit_test(test_bumps_count_as_roughness),
+      converging_unit_test(test_density),
+      serial_unit_test(test_edges),
       serial_unit_test(test_moving_part),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

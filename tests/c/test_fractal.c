@@ -149,8 +149,8 @@ static void test_octaves(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_exact_moments), cmocka_unit_test(test_mean_is_kept),
-      cmocka_unit_test(test_footprint),     cmocka_unit_test(test_gradient),
+      converging_unit_test(test_exact_moments), converging_unit_test(test_mean_is_kept),
+      converging_unit_test(test_footprint),     cmocka_unit_test(test_gradient),
       cmocka_unit_test(test_octaves),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -246,8 +246,8 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_values_are_those_of_the_functions),
       cmocka_unit_test(test_fractals_keep_the_order_of_their_table),
-      cmocka_unit_test(test_infinite_footprints_give_means),
-      cmocka_unit_test(test_receding_patterns_stay_at_their_mean),
+      converging_unit_test(test_infinite_footprints_give_means),
+      converging_unit_test(test_receding_patterns_stay_at_their_mean),
       cmocka_unit_test(test_odd_inputs),
       cmocka_unit_test(test_bump),
       cmocka_unit_test(test_coordinates_in_planes),

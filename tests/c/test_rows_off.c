@@ -10,7 +10,7 @@
 #include "graphs.h"
 #include "terrain/terrain.h"
 
-enum { WIDTH = 32, HEIGHT = 24 };
+enum { WIDTH = 24, HEIGHT = 18 };
 
 static const double AU = 149597870700.0;
 
@@ -130,7 +130,7 @@ static pl_texture *speckle(void) {
 static void set_scene(stage *s, const pl_model *ground, const pl_model *lamp,
                       const pl_model *mirror, const pl_texture *map) {
   static const double bent[8] = {0.1, 0.02};
-  stage_init(s, WIDTH, HEIGHT, 40.0);
+  stage_init(s, WIDTH, HEIGHT, 30.0);
   s->placement.sun = (pl_sun){.position_m = {0.05 * AU, 0.02 * AU, -0.08 * AU},
                               .radius_m = 695700e3,
                               .irradiance_au = 13.6,

@@ -66,9 +66,9 @@ static void test_near_views_show_towns(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_the_mean_is_the_map_s),
+      converging_unit_test(test_the_mean_is_the_map_s),
       cmocka_unit_test(test_far_views_show_the_map),
-      cmocka_unit_test(test_near_views_show_towns),
+      converging_unit_test(test_near_views_show_towns),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -50,7 +50,7 @@ FULL = {
     },
     "sun": {"radius_km": 695700.0, "irradiance_w_m2": 1361.0, "direction": [1.0, 0.5, 0.2],
             "distance_au": 1.0},
-    "camera": {"width": 48, "height": 32, "fov_deg": 40.0, "exposure_time_s": 0.01,
+    "camera": {"width": 24, "height": 16, "fov_deg": 40.0, "exposure_time_s": 0.01,
                "trajectory": {"kind": "orbit_object", "target": "sat", "distance_m": [12.0, 20.0],
                               "sun_angle_deg": [0.0, 90.0], "aim_jitter_deg": 1.0},
                "exposure": {"mode": "auto", "percentile": 99.0, "key": 0.8}},

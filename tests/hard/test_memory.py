@@ -21,7 +21,8 @@ from perilune import _core
 from tests.python import shape_scenes
 
 names = [channel["name"] for channel in _core.CHANNELS] + ["objects"]
-sim = perilune.open(sys.argv[1], overrides={"camera.sensor": {}})
+small = {"camera.width": 24, "camera.height": 16}
+sim = perilune.open(sys.argv[1], overrides={"camera.sensor": {}, **small})
 sizes = {}
 page = os.sysconf("SC_PAGESIZE")
 for index in range(1000):
@@ -87,8 +88,8 @@ def test_models_and_shapes_that_changed_are_freed(repo_dir, tmp_path):
 
 def requests(repo_dir, scene, frames):
     """The core's renderer, what it is asked in each frame, and arrays for all it can fill."""
-    size = {"camera.width": 80, "camera.height": 60}
-    sim = perilune.open(repo_dir / scene, overrides=size | {"camera.sensor": {}})
+    small = {"camera.width": 80, "camera.height": 60, "render.samples": 2}
+    sim = perilune.open(repo_dir / scene, overrides=small | {"camera.sensor": {}})
     first = sim.frame(0, channels=ALL, threads=1)
     out = {**first, "objects": first.objects}
     return sim._mine().renderer, [sim.request(index) for index in frames], out

@@ -226,7 +226,7 @@ def test_pictures_of_fewer_samples_are_within_the_tolerance() -> None:
     pictures = []
     for tolerance_dn, samples in ((1.0, 16), (0.0, 64)):
         asked = air_worlds.request(
-            [[EARTH_M] * 3], [1.6 * EARTH_M, 0, 0], [-1, 0.2, 0], [0.7, 0.8, 0.2], size=(96, 72),
+            [[EARTH_M] * 3], [1.6 * EARTH_M, 0, 0], [-1, 0.2, 0], [0.7, 0.8, 0.2], size=(64, 48),
             tolerance_dn=tolerance_dn, samples=samples,
         )  # fmt: skip
         pictures.append(cloud_worlds.render(given, asked, air=air)["rgb"].astype(np.float64))

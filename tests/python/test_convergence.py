@@ -104,7 +104,7 @@ def test_slopes_have_the_standard_errors_that_are_stated():
 
 def stands_dark(name, changes, samples=128):
     """Error of a night side, that of all samples everywhere, and how much is wrongly black."""
-    scene = convergence.Scene(CONFIGS[name], (64, 48), 1024, changes=changes)
+    scene = convergence.Scene(CONFIGS[name], (48, 36), 1024, changes=changes)
     reference = np.mean(scene.reference, axis=0).max(axis=-1)
     picture = scene.picture(samples, TOLERANCE_DN)
     lit = reference > 2.0

@@ -33,8 +33,8 @@ def kinds(small_scene, folder):
             "spacecraft.probe.model": str(model),
             "spacecraft.probe.articulation": joints,
             "spacecraft.probe.attitude": {"spin_rate_deg_s": 7.0},
-            "camera.width": 64,
-            "camera.height": 48,
+            "camera.width": 48,
+            "camera.height": 36,
             "camera.fov_deg": {"uniform": [25, 35]},
             "camera.sensor": {},
             "camera.line_time_us": 30000.0,
@@ -168,7 +168,7 @@ FAULTS = {
         CAMERA,
         "camera.fov_deg",
     ),
-    "a driver too many": (driver("camera.width", 64), CAMERA, "drivers"),
+    "a driver too many": (driver("camera.width", 48), CAMERA, "drivers"),
     "drivers of another image": (
         json_fault(
             CAMERA,
