@@ -1,63 +1,59 @@
 /* Terrain of bodies: height fields with the surface of the body. In a vertex on terrain, `triangle`
- * is the tile, and the last two weights are the tile's grid coordinates. */
+ * is the tile, the last two weights are the tile's grid coordinates, and the first is how far the
+ * position lies above the plane of the triangle, m. */
 #include "render/body_surface.h"
 #include "render/geometry.h"
 #include "scene/shot_frame.h"
 #include "shade/reflectance.h"
-#include "terrain/height_field.h"
+#include "terrain/ground_patch.h"
 #include "terrain/sub_cell.h"
 
 static pl_vec3f to_root(const pl_shot_body *body, pl_vec3 v) {
   return pl_vec3_to_float(pl_mat3_mul_vec(body->rotation, v));
 }
 
-/* The two edges of the triangle that was hit, and its first corner relative to the field's origin;
- * body axes, m. */
-typedef struct facet {
-  pl_vec3 corner, edge1, edge2;
-} facet;
+/* The ray of a beam relative to the field's origin, body axes. */
+typedef struct field_ray {
+  pl_vec3 from, along;
+} field_ray;
 
-static facet facet_at(const pl_height_field *field, uint32_t tile, float u, float v) {
-  pl_vec3 corners[3];
-  double weights[3];
-  pl_height_field_corners(field, tile, u, v, corners, weights);
-  return (facet){corners[0], pl_vec3_sub(corners[1], corners[0]),
-                 pl_vec3_sub(corners[2], corners[0])};
+static field_ray ray_of(const pl_shot_body *body, const pl_beam *beam) {
+  const pl_vec3 from = pl_mat3_mul_vec_t(body->rotation, pl_vec3_sub(beam->origin, body->center));
+  return (field_ray){pl_vec3_sub(from, body->field->origin),
+                     pl_mat3_mul_vec_t(body->rotation, beam->direction)};
 }
 
-/* Intersects the plane of the triangle in double precision. A plane that is seen edge-on keeps the
- * tracer's result. */
-static void refine(const pl_shot_body *body, const facet *facet, pl_vec3 normal,
-                   const pl_beam *beam, pl_vertex *out) {
-  const pl_vec3 origin =
-      pl_vec3_sub(pl_mat3_mul_vec_t(body->rotation, pl_vec3_sub(beam->origin, body->center)),
-                  body->field->origin);
-  const pl_vec3 along = pl_mat3_mul_vec_t(body->rotation, beam->direction);
-  const double facing = pl_vec3_dot(normal, along);
+/* Intersects the plane of the triangle in double precision, and then the patch of its cell. A plane
+ * that is seen edge-on keeps the tracer's result. */
+static void refine(const pl_shot_body *body, pl_ground_patch *patch, const pl_beam *beam,
+                   pl_vertex *out) {
+  const field_ray ray = ray_of(body, beam);
+  const double facing = pl_vec3_dot(patch->normal, ray.along);
   if (!(fabs(facing) > 1e-6))
     return;
-  const double t = pl_vec3_dot(normal, pl_vec3_sub(facet->corner, origin)) / facing;
-  if (!(fabs(t - out->t) <= pl_vec3_norm(facet->edge1) + 1e-6 * out->t))
+  const double plane = pl_vec3_dot(patch->normal, pl_vec3_sub(patch->corner, ray.from)) / facing;
+  if (!(fabs(plane - out->t) <= pl_vec3_norm(patch->edge1) + 1e-6 * out->t))
     return;
-  out->t = t;
-  out->position = pl_vec3_madd(beam->origin, t, beam->direction);
+  out->t = pl_ground_patch_meet(patch, ray.from, ray.along, plane);
+  out->w[0] = (float)((out->t - plane) * facing);
+  out->position = pl_vec3_madd(beam->origin, out->t, beam->direction);
 }
 
 static void locate(const pl_snapshot *shot, const pl_beam *beam, const pl_hit *hit, bool exact,
                    pl_vertex *out) {
   const pl_shot_body *body = pl_shot_body_of(shot, hit->surface_id);
-  const facet facet = facet_at(body->field, hit->triangle, hit->u, hit->v);
-  const pl_vec3 normal = pl_vec3_unit(pl_vec3_cross(facet.edge1, facet.edge2));
+  pl_ground_patch patch;
+  pl_ground_patch_at(body->field, hit->triangle, hit->u, hit->v, &patch);
   out->w[0] = 0.0f;
   out->w[1] = hit->u;
   out->w[2] = hit->v;
   out->t = hit->t;
   out->position = pl_vec3_madd(beam->origin, out->t, beam->direction);
-  out->edge1 = to_root(body, facet.edge1);
-  out->edge2 = to_root(body, facet.edge2);
-  out->ng = to_root(body, normal);
+  out->edge1 = to_root(body, patch.edge1);
+  out->edge2 = to_root(body, patch.edge2);
+  out->ng = to_root(body, patch.normal);
   if (exact)
-    refine(body, &facet, normal, beam, out);
+    refine(body, &patch, beam, out);
 }
 
 static pl_vec3f smooth_normal(const pl_snapshot *shot, const pl_vertex *vertex) {
@@ -144,6 +140,18 @@ void pl_height_field_leave(const pl_snapshot *shot, const pl_vertex *vertex, flo
                              pl_vec3f_to_double(vertex->surface.ng));
 }
 
+/* Rays leave the mesh, not the patch. */
+static void leave(const pl_snapshot *shot, const pl_vertex *vertex, float side, pl_ray *ray) {
+  pl_height_field_leave(shot, vertex, side, ray);
+  if (vertex->w[0] == 0.0f)
+    return;
+  const pl_shot_body *body = pl_shot_body_of(shot, vertex->surface_id);
+  const pl_vec3 met =
+      pl_height_field_point(body->field, vertex->triangle, vertex->w[1], vertex->w[2]);
+  const pl_vec3 on_mesh = pl_vec3_add(body->center, pl_mat3_mul_vec(body->rotation, met));
+  ray->origin = pl_vec3_add(ray->origin, pl_vec3_sub(on_mesh, vertex->position));
+}
+
 /* Points are camera-relative: floats resolve them best where cells are smallest. */
 static void set_spot(const pl_snapshot *shot, const pl_hit *hit, pl_vec3 point, pl_spot *spot) {
   const pl_shot_body *body = pl_shot_body_of(shot, hit->surface_id);
@@ -171,7 +179,7 @@ const pl_geometry_kind pl_geometry_height_field = {
     .locate = locate,
     .smooth_normal = smooth_normal,
     .shade = shade,
-    .leave = pl_height_field_leave,
+    .leave = leave,
     .set_spot = set_spot,
     .label = label,
     .classify = classify,

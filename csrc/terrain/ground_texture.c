@@ -272,26 +272,67 @@ double pl_ground_texture_texel_m(const pl_ground_texture *texture) {
   return texture->size_m / (double)pl_raster_frame_of(texture->heights)->width;
 }
 
-/* Variance of slopes of the image, by differences across two cells of a level as those of
- * pl_ground_texture_slope. */
+/* Mean of the sum over patches of squares of the changes of their weights along an axis, over an
+ * edge: the integral over a triangle of half the squares of the gradients of b_k^2 / sqrt(b_1^4 +
+ * b_2^4 + b_3^4), b being barycentric coordinates. */
+#define WEIGHT_CHANGES 5.35744
+
+/* A place of an image as patches lay it, over its width and height; `weight`: square of the patch's
+ * weight there; `turn`: of the patch. */
+typedef struct laid_place {
+  double x, y, turn, weight;
+} laid_place;
+
+/* Place k of a sequence that fills five dimensions evenly (Roberts' R5): the patch's middle, a
+ * point of a triangle of the lattice, and the turn. */
+static laid_place place_of(int k, double wide, double high) {
+  static const double STEPS[5] = {0.8812714616335696, 0.7766393890897682, 0.6844301295853426,
+                                  0.6031687406857282, 0.5315553977157792};
+  double r[5], b[3], squares = 0.0;
+  for (int d = 0; d < 5; d++)
+    r[d] = fmod(0.5 + STEPS[d] * k, 1.0);
+  const bool flip = r[0] + r[1] > 1.0;
+  b[1] = flip ? 1.0 - r[0] : r[0];
+  b[2] = flip ? 1.0 - r[1] : r[1];
+  b[0] = 1.0 - b[1] - b[2];
+  for (int n = 0; n < 3; n++)
+    squares += b[n] * b[n] * b[n] * b[n];
+  const double turn = 2.0 * PL_PI * r[2], u = b[1] + 0.5 * b[2], v = ROOT3_2 * b[2];
+  return (laid_place){wide + (1.0 - 2.0 * wide) * r[3] + wide * (u * cos(turn) - v * sin(turn)),
+                      high + (1.0 - 2.0 * high) * r[4] + high * (u * sin(turn) + v * cos(turn)),
+                      turn, b[0] * b[0] * b[0] * b[0] / squares};
+}
+
+/* Variance of slopes of laid heights at cells of a level, by differences as those of
+ * pl_ground_texture_slope: that of the image's, and that of weights which change across heights.
+ * Patches do not know each other, and squares of weights sum to 1: products of both cancel. */
 static double measure(const pl_ground_texture *texture, int level) {
-  enum { ROWS = 64 };
+  enum { POINTS = 4096 };
+  const double size_m = texture->size_m, edge = edge_m(texture), aspect = tall(texture->heights);
   const double footprint_m = ldexp(pl_ground_texture_texel_m(texture), level);
-  const double wide = 0.5 * footprint_m / texture->size_m, high = wide / tall(texture->heights);
-  double sum = 0.0;
-  if (wide >= 0.25 || high >= 0.25)
+  const double wide = 0.5 * footprint_m / size_m;
+  double slopes = 0.0, heights = 0.0, weights = 0.0;
+  if (wide >= 0.25 || wide / aspect >= 0.25)
     return 0.0;
-  for (int j = 0; j < ROWS; j++)
-    for (int i = 0; i < ROWS; i++) {
-      const double x = wide + (1.0 - 2.0 * wide) * (i + 0.5) / ROWS;
-      const double y = high + (1.0 - 2.0 * high) * (j + 0.5) / ROWS;
-      const double east = value_at(texture->heights, texture->size_m, x + wide, y, footprint_m) -
-                          value_at(texture->heights, texture->size_m, x - wide, y, footprint_m);
-      const double north = value_at(texture->heights, texture->size_m, x, y + high, footprint_m) -
-                           value_at(texture->heights, texture->size_m, x, y - high, footprint_m);
-      sum += 0.5 * (east * east + north * north) / (footprint_m * footprint_m);
+  for (int k = 0; k < POINTS; k++) {
+    const laid_place at = place_of(k, edge / size_m, edge / size_m / aspect);
+    double value[2][2];
+    for (int axis = 0; axis < 2; axis++)
+      for (int end = 0; end < 2; end++) {
+        const double way = end == 0 ? -wide : wide, angle = at.turn + 0.5 * PL_PI * axis;
+        value[axis][end] = value_at(texture->heights, size_m, at.x + way * cos(angle),
+                                    at.y + way * sin(angle) / aspect, footprint_m) -
+                           texture->means[PL_GROUND_HEIGHTS];
+      }
+    for (int axis = 0; axis < 2; axis++) {
+      const double slope = (value[axis][1] - value[axis][0]) / footprint_m;
+      const double height = 0.5 * (value[axis][0] + value[axis][1]);
+      slopes += 0.5 * at.weight * slope * slope;
+      heights += 0.5 * at.weight * height * height;
     }
-  return sum / (ROWS * ROWS);
+    weights += at.weight;
+  }
+  return (slopes + WEIGHT_CHANGES * heights / (edge * edge)) / weights;
 }
 
 /* Mean of an image over all patches, with weights that fall from their middle outwards. */

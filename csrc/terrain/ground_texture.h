@@ -21,7 +21,7 @@ typedef struct pl_ground_texture {
   const pl_raster *heights, *roughness, *albedo;
   double size_m; /* width of the images on the ground */
   uint64_t seed;
-  /* By pl_ground_texture_init: variance of slopes along any one axis of the image, filtered to
+  /* By pl_ground_texture_init: variance of slopes of laid heights along any one axis, filtered to
    * cells of 2^level texels. */
   double slopes[PL_GROUND_TEXTURE_LEVELS];
   double means[3]; /* of images, as patches have them: the middle counts more than edges */

@@ -1,5 +1,6 @@
 """The mesh of a body's ground again, in NumPy: triangles through heights at nodes of the cube's
-lattice (csrc/terrain/cube.h), and on edges towards coarser tiles through those of theirs."""
+lattice (csrc/terrain/cube.h), on edges towards coarser tiles through those of theirs, and the
+bicubic patches between them which labels show (csrc/terrain/ground_patch.h)."""
 
 from __future__ import annotations
 
@@ -15,7 +16,7 @@ F64 = NDArray[np.float64]
 I64 = NDArray[np.int64]
 TILE = 32
 """Cells of a tile on a side."""
-ENOUGH = 1e-5
+ENOUGH = 2e-5
 """Of a cell: nearer no other level is tried."""
 FACES = (
     ((0, 1, 2), (1, 1, 1)),
@@ -26,7 +27,35 @@ FACES = (
     ((2, 1, 0), (-1, 1, 1)),
 )
 """Axes of a face, outwards, along s and along t, and their signs."""
-TRIANGLES = (((0, 0), (1, 0), (0, 1)), ((1, 1), (1, 0), (0, 1)))
+TRIANGLES = (((0, 0), (1, 0), (0, 1)), ((1, 1), (0, 1), (1, 0)))
+"""Corners of the lower and of the upper triangle, at (x, y), (x', y) and (x, y')."""
+CORNERS = tuple(product((0, 1), repeat=2))
+
+
+@dataclass(frozen=True)
+class Post:
+    point: F64
+    slope: F64
+    """(n, 3): gradient of the distance from the centre, per metre along the ground."""
+
+
+def hermite(x: F64) -> tuple[tuple[F64, F64], tuple[F64, F64]]:
+    """Weights of values and of slopes at 0 and 1."""
+    up = x * x * (3.0 - 2.0 * x)
+    return (1.0 - up, up), (x * (1.0 - x) ** 2, x * x * (x - 1.0))
+
+
+def patch_m(posts: dict[tuple[int, int], Post], x: F64, y: F64) -> F64:
+    """Distance from the centre of the patch through the corners (x, y) of a cell."""
+    (vx, sx), (vy, sy) = hermite(x), hermite(y)
+    out = np.zeros_like(x)
+    for (i, j), post in posts.items():
+        east = posts[1, j].point - posts[0, j].point
+        north = posts[i, 1].point - posts[i, 0].point
+        out += vx[i] * vy[j] * np.linalg.norm(post.point, axis=1)
+        out += sx[i] * vy[j] * np.sum(post.slope * east, axis=1)
+        out += vx[i] * sy[j] * np.sum(post.slope * north, axis=1)
+    return out
 
 
 def direction(face: int, s: F64, t: F64) -> F64:
@@ -69,46 +98,67 @@ class Mesh:
         """As the lattice of a level resolves them."""
         return self.terrain.heights(d, self.cell_m(level) * (1.0 + 1e-9))
 
-    def _post(self, face: int, level: int, node: F64) -> F64:
+    def _point(self, face: int, level: int, node: F64) -> F64:
         d = direction(face, *(node * 2.0 ** (1 - level) - 1.0).T)
         return d * (self.datum_m(d) + self.heights(d, level))[:, None]
 
-    def _coarse_post(self, face: int, level: int, node: F64) -> F64:
+    def _post(self, face: int, level: int, node: F64) -> Post:
+        """With the slope by differences between the four nodes around."""
+        point = self._point(face, level, node)
+        away = np.linalg.norm(point, axis=1)
+        up = point / away[:, None]
+        steps, rises = [], []
+        for by in ((1.0, 0.0), (0.0, 1.0)):
+            ends = [self._point(face, level, node + sign * np.array(by)) for sign in (1.0, -1.0)]
+            lengths = [np.linalg.norm(end, axis=1, keepdims=True) for end in ends]
+            steps.append(ends[0] / lengths[0] - ends[1] / lengths[1])
+            rises.append(((lengths[0] - lengths[1])[:, 0]) / away)
+        across = np.stack([*steps, up], axis=1)  # gradient . step = rise, gradient . up = 0
+        slope = np.linalg.solve(across, np.stack([*rises, np.zeros_like(away)], axis=1)[..., None])
+        return Post(point, slope[..., 0])
+
+    def _coarse_post(self, face: int, level: int, node: F64) -> Post:
         """Of the tile of the next coarser level beside the edge that the node lies on: its node, or
         the middle of two."""
         odd = node % 2.0  # at most one of both on an edge
-        return 0.5 * (
-            self._post(face, level - 1, 0.5 * (node - odd))
-            + self._post(face, level - 1, 0.5 * (node + odd))
-        )
+        a = self._post(face, level - 1, 0.5 * (node - odd))
+        b = self._post(face, level - 1, 0.5 * (node + odd))
+        return Post(0.5 * (a.point + b.point), 0.5 * (a.slope + b.slope))
 
-    def _meet(self, d: F64, posts: tuple[F64, ...]) -> F64:
-        """Distance of a triangle along directions, inf beside it."""
-        corners = np.stack(posts, axis=2)
-        weights = np.linalg.solve(corners, d[:, :, None])[:, :, 0]
-        total = weights.sum(axis=1)
-        out: F64 = np.where(weights.min(axis=1) > -1e-4 * total, 1.0 / total, np.inf)
-        return out
+    def _meet(self, d: F64, posts: dict[tuple[int, int], Post]) -> tuple[F64, F64]:
+        """Distances of a cell's triangle and of its patch along directions, inf beside it."""
+        plane, patch = np.full((2, len(d)), np.inf)
+        for upper, triangle in enumerate(TRIANGLES):
+            corners = np.stack([posts[at].point for at in triangle], axis=2)
+            weights = np.linalg.solve(corners, d[:, :, None])[:, :, 0]
+            total = weights.sum(axis=1)
+            inside = weights.min(axis=1) > -1e-4 * total
+            x, y = (weights[:, 1:] / total[:, None]).T
+            place = (1.0 - x, 1.0 - y) if upper else (x, y)
+            plane = np.where(inside, 1.0 / total, plane)
+            patch = np.where(inside, patch_m(posts, *place), patch)
+        return plane, patch
 
     def _off(self, points: F64, face: int, level: int, seams: bool) -> F64:
-        """Distance along the radius from the mesh of a level, of tiles beside coarser ones too with
-        `seams`."""
+        """Distance along the radius from the surface of a level, of tiles beside coarser ones too
+        with `seams`. At outlines points are those of triangles."""
         away = np.linalg.norm(points, axis=1)
         d = points / away[:, None]
         cell = np.floor((locate(d)[1] + 1.0) * 2.0 ** (level - 1))
         off = np.full(len(d), np.inf)
-        for triangle in TRIANGLES:
-            nodes = [cell + corner for corner in triangle]
-            kinds = [[self._post(face, level, node) for node in nodes]]
-            if seams:
-                kinds.append([self._coarse_post(face, level, node) for node in nodes])
-            edge = [(node % TILE == 0.0).any(axis=1) for node in nodes]
-            for choice in product(range(len(kinds)), repeat=3):
-                posts = tuple(kinds[kind][k] for k, kind in enumerate(choice))
-                free = [edge[k] for k, kind in enumerate(choice) if kind]
-                found = np.abs(self._meet(d, posts) - away)
-                may = np.all([np.ones(len(d), dtype=bool), *free], axis=0)
-                off = np.where(may, np.fmin(off, found), off)
+        nodes = {corner: cell + corner for corner in CORNERS}
+        kinds = [{at: self._post(face, level, node) for at, node in nodes.items()}]
+        if seams:
+            kinds.append({at: self._coarse_post(face, level, node) for at, node in nodes.items()})
+        edge = {at: (node % TILE == 0.0).any(axis=1) for at, node in nodes.items()}
+        for choice in product(range(len(kinds)), repeat=4):
+            posts = {at: kinds[kind][at] for at, kind in zip(CORNERS, choice, strict=True)}
+            free = [edge[at] for at, kind in zip(CORNERS, choice, strict=True) if kind]
+            may = np.all([np.ones(len(d), dtype=bool), *free], axis=0)
+            if not may.any():
+                continue
+            for found in self._meet(d, posts):
+                off = np.where(may, np.fmin(off, np.abs(found - away)), off)
         return off
 
     def fit(self, points: F64, coarsest: I64, finest: int) -> tuple[F64, I64]:
