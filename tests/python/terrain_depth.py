@@ -86,15 +86,16 @@ def judge(seen: Seen, levels: int = COARSER + FINER) -> Report:
     mesh, points = seen.mesh, seen.points
     away = np.linalg.norm(points, axis=1)
     d = points / away[:, None]
-    misfit, own = mesh.fit(points, seen.coarsest, levels)
+    misfit, own, wider = mesh.fit(points, seen.coarsest, levels)
     margin = FLOOR * seen.distance
     cells = np.array([mesh.cell_m(int(level)) for level in own])
     beside = int((misfit * cells > ON_THE_MESH * cells + margin).sum())
-    off_m = np.empty(len(d))
-    for level in np.unique(own):
-        of = own == level
+    off_m = np.full(len(d), np.inf)
+    for level, more in {*zip(own.tolist(), (own + wider).tolist(), strict=True)}:
+        of = (own == level) & (own + wider == more)
         height = away[of] - mesh.datum_m(d[of])
-        off_m[of] = np.abs(height - mesh.heights(d[of], int(level)))
+        for either in (level, more):  # a cell beside a coarser tile has posts of both
+            off_m[of] = np.fmin(off_m[of], np.abs(height - mesh.heights(d[of], either)))
     left = np.arange(len(d))  # few samples show enough relief for most pixels
     for side in (2, 3, 5, 9, 17):
         low, high = mesh.cell_range_m(d[left], own[left], side)

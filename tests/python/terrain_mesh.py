@@ -102,7 +102,7 @@ class Mesh:
         d = direction(face, *(node * 2.0 ** (1 - level) - 1.0).T)
         return d * (self.datum_m(d) + self.heights(d, level))[:, None]
 
-    def _post(self, face: int, level: int, node: F64) -> Post:
+    def post(self, face: int, level: int, node: F64) -> Post:
         """With the slope by differences between the four nodes around."""
         point = self._point(face, level, node)
         away = np.linalg.norm(point, axis=1)
@@ -121,11 +121,11 @@ class Mesh:
         """Of the tile of the next coarser level beside the edge that the node lies on: its node, or
         the middle of two."""
         odd = node % 2.0  # at most one of both on an edge
-        a = self._post(face, level - 1, 0.5 * (node - odd))
-        b = self._post(face, level - 1, 0.5 * (node + odd))
+        a = self.post(face, level - 1, 0.5 * (node - odd))
+        b = self.post(face, level - 1, 0.5 * (node + odd))
         return Post(0.5 * (a.point + b.point), 0.5 * (a.slope + b.slope))
 
-    def _meet(self, d: F64, posts: dict[tuple[int, int], Post]) -> tuple[F64, F64]:
+    def meet(self, d: F64, posts: dict[tuple[int, int], Post]) -> tuple[F64, F64]:
         """Distances of a cell's triangle and of its patch along directions, inf beside it."""
         plane, patch = np.full((2, len(d)), np.inf)
         for upper, triangle in enumerate(TRIANGLES):
@@ -147,7 +147,7 @@ class Mesh:
         cell = np.floor((locate(d)[1] + 1.0) * 2.0 ** (level - 1))
         off = np.full(len(d), np.inf)
         nodes = {corner: cell + corner for corner in CORNERS}
-        kinds = [{at: self._post(face, level, node) for at, node in nodes.items()}]
+        kinds = [{at: self.post(face, level, node) for at, node in nodes.items()}]
         if seams:
             kinds.append({at: self._coarse_post(face, level, node) for at, node in nodes.items()})
         edge = {at: (node % TILE == 0.0).any(axis=1) for at, node in nodes.items()}
@@ -157,17 +157,19 @@ class Mesh:
             may = np.all([np.ones(len(d), dtype=bool), *free], axis=0)
             if not may.any():
                 continue
-            for found in self._meet(d, posts):
+            for found in self.meet(d, posts):
                 off = np.where(may, np.fmin(off, np.abs(found - away)), off)
         return off
 
-    def fit(self, points: F64, coarsest: I64, finest: int) -> tuple[F64, I64]:
-        """Distances along the radius from the nearest mesh, in its cells, and its level, that of
-        the coarser tile at edges; from `coarsest` on, and at most `finest` levels more."""
+    def fit(self, points: F64, coarsest: I64, finest: int) -> tuple[F64, I64, I64]:
+        """Distances along the radius from the nearest mesh, in its cells, and its levels: the
+        coarser of both at edges, and how many more the finer has; from `coarsest` on, and at most
+        `finest` levels more."""
         d = points / np.linalg.norm(points, axis=1, keepdims=True)
         faces, _ = locate(d)
         best = np.full(len(d), np.inf)
         levels = coarsest.copy()
+        wider = np.zeros_like(levels)
         for seams, more in product((False, True), range(finest + 1)):
             left = np.flatnonzero(best > ENOUGH)
             for face, level in {(int(faces[k]), int(coarsest[k]) + more) for k in left}:
@@ -176,7 +178,8 @@ class Mesh:
                 better = of[off < best[of]]
                 best[better] = off[off < best[of]]
                 levels[better] = level - seams
-        return best, levels
+                wider[better] = seams
+        return best, levels, wider
 
     def cell_range_m(self, d: F64, levels: I64, side: int) -> tuple[F64, F64]:
         """Lowest and highest height, as their level resolves it and with all detail, at side^2

@@ -55,7 +55,7 @@ def test_what_is_seen_lies_on_the_ground(name: str) -> None:
 def test_a_thousandth_of_a_cell_off_the_mesh_is_noticed() -> None:
     sim = perilune.open(CONFIGS / "mars_descent.yaml", overrides=SMALL)
     seen = terrain_depth.pick(sim, 30)
-    _, levels = seen.mesh.fit(seen.points, seen.coarsest, 6)
+    _, levels, _ = seen.mesh.fit(seen.points, seen.coarsest, 6)
     cells = np.array([seen.mesh.cell_m(int(level)) for level in levels])
     away = np.linalg.norm(seen.points, axis=1)
     for by, beside, half in ((0.0, 0, 0), (1e-3, 30, 0), (-0.5, 30, 25)):
