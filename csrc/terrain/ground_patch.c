@@ -13,10 +13,13 @@ static double change_m(const double slope[2], const pl_vec3 axes[2], pl_vec3 edg
   return slope[0] * pl_vec3_dot(edge, axes[0]) + slope[1] * pl_vec3_dot(edge, axes[1]);
 }
 
+/* Axes of slopes turn from post to post: not in cells below this part of the radius. */
+static const double TURNS = 1e-4;
+
 static void set_corners(pl_ground_patch *out) {
   const pl_ground_tile *tile = out->tile;
   const int column = out->column, row = out->row;
-  pl_vec3 posts[2][2];
+  pl_vec3 posts[2][2], axes[2];
   for (int k = 0; k < 4; k++)
     posts[k >> 1][k & 1] = post_of(tile, column + (k & 1), row + (k >> 1));
   for (int j = 0; j < 2; j++)
@@ -24,13 +27,17 @@ static void set_corners(pl_ground_patch *out) {
       const int16_t *stored = tile->slopes[(row + j) * POSTS + column + i];
       const double unit = (double)tile->slope_unit;
       const double slope[2] = {unit * stored[0], unit * stored[1]};
-      pl_vec3 axes[2];
       out->radius_m[j][i] = pl_vec3_norm(posts[j][i]);
-      pl_ground_tile_axes(tile->id.face, pl_vec3_scale(posts[j][i], 1.0 / out->radius_m[j][i]),
-                          &axes[0], &axes[1]);
+      if (i + j == 0 || out->cell_m > TURNS * out->radius_m[0][0])
+        pl_ground_tile_axes(tile->id.face, pl_vec3_scale(posts[j][i], 1.0 / out->radius_m[j][i]),
+                            &axes[0], &axes[1]);
       out->along_m[j][i][0] = change_m(slope, axes, pl_vec3_sub(posts[j][1], posts[j][0]));
       out->along_m[j][i][1] = change_m(slope, axes, pl_vec3_sub(posts[1][i], posts[0][i]));
     }
+  const pl_vec3 area = pl_vec3_cross(out->edge1, out->edge2);
+  const double whole = pl_vec3_dot(area, area);
+  out->across[0] = pl_vec3_scale(pl_vec3_cross(out->edge2, area), 1.0 / whole);
+  out->across[1] = pl_vec3_scale(pl_vec3_cross(area, out->edge1), 1.0 / whole);
 }
 
 void pl_ground_patch_at(const pl_height_field *field, uint32_t tile, float u, float v,
@@ -82,10 +89,7 @@ static bool above(const pl_ground_patch *patch, pl_vec3 point, double *height_m)
   const pl_vec3 off = pl_vec3_sub(point, patch->corner);
   const double above_plane = pl_vec3_dot(off, patch->normal) / pl_vec3_dot(up, patch->normal);
   const pl_vec3 on = pl_vec3_madd(off, -above_plane, up);
-  const pl_vec3 area = pl_vec3_cross(patch->edge1, patch->edge2);
-  const double whole = pl_vec3_dot(area, area);
-  double x = pl_vec3_dot(pl_vec3_cross(on, patch->edge2), area) / whole;
-  double y = pl_vec3_dot(pl_vec3_cross(patch->edge1, on), area) / whole;
+  double x = pl_vec3_dot(on, patch->across[0]), y = pl_vec3_dot(on, patch->across[1]);
   if (patch->upper) {
     x = 1.0 - x;
     y = 1.0 - y;

@@ -18,6 +18,7 @@ typedef struct pl_ground_patch {
   pl_vec3 normal;               /* of the triangle, unit, outwards */
   double cell_m;                /* length of the longer edge */
   bool upper;                   /* whether the triangle's corner is at x = y = 1 of the cell */
+  pl_vec3 across[2];            /* dot products with them are weights of both edges */
   /* By [y][x] of the cell's corners: distance from the centre, m, and its change along a whole
    * cell in x and in y, at the corner's slope. */
   double radius_m[2][2], along_m[2][2][2];
