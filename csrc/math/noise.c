@@ -120,17 +120,37 @@ PL_WIDE void pl_noise_lanes(const pl_point_lanes *points, uint32_t seed,
   PL_EACH_LANE(i) { out[i] = evaluate_lane(&at, start, i).value; }
 }
 
+PL_WIDE void pl_noise_seeds_lanes(const pl_point_lanes *points,
+                                  const uint32_t seeds[restrict PL_LANES],
+                                  float out[restrict PL_LANES]) {
+  pl_lattice_lanes at;
+  pl_lattice_split_lanes(points, &at);
+  PL_EACH_LANE(i) { out[i] = evaluate_lane(&at, pl_sampler_mix(seeds[i]), i).value; }
+}
+
+/* Stores the noise of a lane. */
+PL_WIDE_PART void store(pl_noise_value noise, size_t i, float *restrict value,
+                        float (*restrict gradient)[PL_LANES]) {
+  value[i] = noise.value;
+  gradient[0][i] = noise.gradient.x;
+  gradient[1][i] = noise.gradient.y;
+  gradient[2][i] = noise.gradient.z;
+}
+
 PL_WIDE void pl_noise_gradient_lanes(const pl_point_lanes *points, uint32_t seed,
                                      float value[restrict PL_LANES],
                                      float gradient[restrict 3][PL_LANES]) {
   pl_lattice_lanes at;
   const uint32_t start = pl_sampler_mix(seed);
   pl_lattice_split_lanes(points, &at);
-  PL_EACH_LANE(i) {
-    const pl_noise_value noise = evaluate_lane(&at, start, i);
-    value[i] = noise.value;
-    gradient[0][i] = noise.gradient.x;
-    gradient[1][i] = noise.gradient.y;
-    gradient[2][i] = noise.gradient.z;
-  }
+  PL_EACH_LANE(i) { store(evaluate_lane(&at, start, i), i, value, gradient); }
+}
+
+PL_WIDE void pl_noise_gradient_seeds_lanes(const pl_point_lanes *points,
+                                           const uint32_t seeds[restrict PL_LANES],
+                                           float value[restrict PL_LANES],
+                                           float gradient[restrict 3][PL_LANES]) {
+  pl_lattice_lanes at;
+  pl_lattice_split_lanes(points, &at);
+  PL_EACH_LANE(i) { store(evaluate_lane(&at, pl_sampler_mix(seeds[i]), i), i, value, gradient); }
 }

@@ -31,6 +31,11 @@ pl_noise_value pl_noise_gradient(pl_vec3 point, uint32_t seed);
 void pl_noise_lanes(const pl_point_lanes *points, uint32_t seed, float out[PL_LANES]);
 void pl_noise_gradient_lanes(const pl_point_lanes *points, uint32_t seed, float value[PL_LANES],
                              float gradient[3][PL_LANES]);
+/* The same with a seed of its own in each lane. */
+void pl_noise_seeds_lanes(const pl_point_lanes *points, const uint32_t seeds[PL_LANES],
+                          float out[PL_LANES]);
+void pl_noise_gradient_seeds_lanes(const pl_point_lanes *points, const uint32_t seeds[PL_LANES],
+                                   float value[PL_LANES], float gradient[3][PL_LANES]);
 
 /* Factor on the noise that approximates its mean over a footprint, a disc with a diameter of
  * `width` cells, best in least squares. 1 at 0, decreasing, exactly 0 from PL_NOISE_WIDEST on and

@@ -122,6 +122,28 @@ static void test_gradient(void **state) {
   assert_true(fabs((double)none.lost_variance / moments_variance(&full) - 1.0) < 0.03);
 }
 
+/* Octaves of a point are evaluated side by side from some number on; the sum of them is the same.
+ */
+static void test_gradients_of_many_octaves(void **state) {
+  (void)state;
+  test_random random = {24, 0};
+  const pl_fractal_row *fbm = &pl_fractal_rows[PL_FRACTAL_FBM];
+  for (int i = 0; i < 2000; i++) {
+    pl_fractal shape = SHAPE;
+    shape.octaves = 1.0f + 0.5f * (float)(i % 32);
+    shape.lacunarity = i % 5 ? 2.1f : 0.8f;
+    const float width[PL_LANES] = {i % 3 ? 0.0f : 0.02f};
+    float value[PL_LANES], slope[3][PL_LANES];
+    const pl_vec3 p = random_point(&random, 100.0);
+    const pl_point_lanes points = {{{p.x}, {p.y}, {p.z}}};
+    fbm->gradient_lanes(&shape, &points, width, value, slope);
+    const pl_fractal_value f = pl_fractal_gradient(&shape, p, width[0]);
+    const pl_vec3f other = {slope[0][0], slope[1][0], slope[2][0]};
+    assert_true(fabsf(f.value - value[0]) < 1e-6f);
+    assert_true(pl_vec3f_norm(pl_vec3f_sub(f.gradient, other)) <= 1e-5f * pl_vec3f_norm(other));
+  }
+}
+
 /* Values move continuously with the number of octaves; out of range it is clamped; no lattice point
  * is a zero; nothing is infinite at places that are not. */
 static void test_octaves(void **state) {
@@ -149,8 +171,11 @@ static void test_octaves(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      converging_unit_test(test_exact_moments), converging_unit_test(test_mean_is_kept),
-      converging_unit_test(test_footprint),     cmocka_unit_test(test_gradient),
+      converging_unit_test(test_exact_moments),
+      converging_unit_test(test_mean_is_kept),
+      converging_unit_test(test_footprint),
+      cmocka_unit_test(test_gradient),
+      cmocka_unit_test(test_gradients_of_many_octaves),
       cmocka_unit_test(test_octaves),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

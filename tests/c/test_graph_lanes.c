@@ -150,15 +150,36 @@ static void test_noise_of_lanes_is_that_of_points(void **state) {
   }
 }
 
+static void test_noise_of_lanes_has_a_seed_for_each(void **state) {
+  (void)state;
+  draws d = {4};
+  for (uint32_t round = 0; round < 2000; round++) {
+    pl_point_lanes points;
+    uint32_t seeds[PL_LANES];
+    float alone[PL_LANES], value[PL_LANES], gradient[3][PL_LANES];
+    draw_places(&d, &points);
+    for (size_t i = 0; i < PL_LANES; i++)
+      seeds[i] = pl_sampler_mix(round * PL_LANES + (uint32_t)i);
+    pl_noise_seeds_lanes(&points, seeds, alone);
+    pl_noise_gradient_seeds_lanes(&points, seeds, value, gradient);
+    for (size_t i = 0; i < PL_LANES; i++) {
+      const pl_noise_value noise = pl_noise_gradient(place_at(&points, i), seeds[i]);
+      assert_true(alone[i] == noise.value && value[i] == noise.value);
+      assert_true(gradient[0][i] == noise.gradient.x && gradient[1][i] == noise.gradient.y &&
+                  gradient[2][i] == noise.gradient.z);
+    }
+  }
+}
+
 static void test_fractals_of_lanes_are_those_of_points(void **state) {
   (void)state;
   draws d = {2};
   for (uint32_t seed = 0; seed < 300; seed++) {
     pl_point_lanes points;
     float width[PL_LANES], lanes[PL_LANES];
-    const pl_fractal shape = {.octaves = draw_within(&d, 0.0f, 5.0f),
+    const pl_fractal shape = {.octaves = draw_within(&d, 0.0f, seed % 2 == 0 ? 5.0f : 17.0f),
                               .roughness = draw_within(&d, 0.0f, 1.2f),
-                              .lacunarity = draw_within(&d, 1.5f, 2.5f),
+                              .lacunarity = draw_within(&d, 0.7f, 2.5f),
                               .offset = draw_within(&d, 0.0f, 1.0f),
                               .gain = draw_within(&d, 0.0f, 3.0f),
                               .seed = seed};
@@ -207,6 +228,7 @@ int main(void) {
       cmocka_unit_test(test_lanes_equal_points_alone_for_every_node),
       cmocka_unit_test(test_lanes_equal_points_alone_in_threads),
       cmocka_unit_test(test_noise_of_lanes_is_that_of_points),
+      cmocka_unit_test(test_noise_of_lanes_has_a_seed_for_each),
       cmocka_unit_test(test_fractals_of_lanes_are_those_of_points),
       cmocka_unit_test(test_cells_of_lanes_are_those_of_points),
   };
