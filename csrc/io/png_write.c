@@ -11,6 +11,7 @@
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#include <zlib.h>
 
 #include "base/memory.h"
 
@@ -79,6 +80,23 @@ static void on_free(png_structp png, png_voidp memory) {
   pl_free(memory);
 }
 
+/* At most this part of the bytes of a picture of runs, as masks and ids, differ from those of the
+ * pixel to their left. */
+static const double RUNS = 0.125;
+
+/* Whether a picture consists of runs of one value. Lengths of runs then say nearly all that deflate
+ * finds, in a third of its time and often in fewer bytes. */
+static bool has_runs(const writer *w) {
+  const size_t pixel = (size_t)w->channels * (size_t)(w->bits / 8), row = (size_t)w->width * pixel;
+  size_t differing = 0;
+  for (size_t y = 0; y < (size_t)w->height; y++) {
+    const unsigned char *bytes = w->samples + y * row;
+    for (size_t i = pixel; i < row; i++)
+      differing += bytes[i] != bytes[i - pixel];
+  }
+  return (double)differing <= RUNS * (double)row * (double)w->height;
+}
+
 /* Writes nothing that varies between runs (time, text), and fixes the filters. */
 static void write_all(writer *w) {
   static const int color_types[] = {PNG_COLOR_TYPE_GRAY, PNG_COLOR_TYPE_GRAY_ALPHA,
@@ -86,6 +104,8 @@ static void write_all(writer *w) {
   png_structp png = w->png;
   png_set_write_fn(png, w, on_write, on_flush);
   png_set_compression_level(png, w->level);
+  if (w->level > 0 && w->level <= LAST_FAST_LEVEL && has_runs(w))
+    png_set_compression_strategy(png, Z_RLE);
   const bool flat = w->level == 0 || (w->channels == 1 && w->bits == 8); /* mostly masks */
   png_set_filter(png, PNG_FILTER_TYPE_BASE,
                  flat ? PNG_FILTER_NONE

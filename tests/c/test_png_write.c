@@ -18,25 +18,54 @@ static void fill(unsigned char *bytes, size_t count) {
     bytes[i] = (unsigned char)random_range(&random, 0, 255.999);
 }
 
-static void eight_bits_come_back(void **state) {
-  (void)state;
-  enum { W = 37, H = 11 };
-  unsigned char samples[W * H * 4];
-  fill(samples, sizeof samples);
+enum { W8 = 37, H8 = 11 };
+
+static void come_back(const unsigned char *samples) {
   for (int channels = 1; channels <= 4; channels++) {
     for (int level = 0; level <= 9; level += 3) {
       const char *path = in_folder("a.png");
-      assert_int_equal(pl_png_write(path, samples, W, H, channels, 8, level), PL_OK);
+      assert_int_equal(pl_png_write(path, samples, W8, H8, channels, 8, level), PL_OK);
       pl_image image;
       assert_int_equal(pl_image_load(path, &image), PL_OK);
-      assert_int_equal(image.width, W);
-      assert_int_equal(image.height, H);
+      assert_int_equal(image.width, W8);
+      assert_int_equal(image.height, H8);
       assert_int_equal(image.channels, channels);
-      assert_memory_equal(image.texels, samples, (size_t)(W * H * channels));
+      assert_memory_equal(image.texels, samples, (size_t)(W8 * H8 * channels));
       pl_image_clear(&image);
     }
   }
+}
+
+static void eight_bits_come_back(void **state) {
+  (void)state;
+  unsigned char noise[W8 * H8 * 4], runs[W8 * H8 * 4];
+  fill(noise, sizeof noise);
+  for (size_t i = 0; i < sizeof runs; i++)
+    runs[i] = (unsigned char)(i / 120);
+  come_back(noise);
+  come_back(runs);
   assert_int_equal(folder_count(test_folder, 0), 1); /* no temporary file is left */
+}
+
+/* Short runs of many values: by repetitions of strings deflate takes more bytes for them. */
+static void runs_are_found(void **state) {
+  (void)state;
+  enum { SIDE = 128, LIMIT = 2700 };
+  static unsigned char samples[SIDE * SIDE];
+  test_random random = {.seed = 22};
+  unsigned char value = 0;
+  for (size_t i = 0, left = 0; i < sizeof samples; i++, left--) {
+    if (left == 0) {
+      left = (size_t)random_range(&random, 8.0, 24.0);
+      value = (unsigned char)random_range(&random, 0, 255.999);
+    }
+    samples[i] = value;
+  }
+  pl_bytes out = {0};
+  assert_int_equal(pl_png_encode("a", samples, SIDE, SIDE, 1, 8, 1, NULL, 0, &out), PL_OK);
+  print_message("%zu bytes\n", out.size);
+  assert_in_range(out.size, 1, LIMIT);
+  pl_bytes_clear(&out);
 }
 
 /* Through libpng itself, since our reader reduces to 8 bits. */
@@ -181,6 +210,7 @@ static void failed_allocations_leave_nothing(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       in_own_folder(eight_bits_come_back),
+      in_own_folder(runs_are_found),
       in_own_folder(sixteen_bits_come_back),
       in_own_folder(bytes_are_reproducible),
       in_own_folder(bad_arguments_are_refused),

@@ -7,7 +7,6 @@ of the sample."""
 
 from __future__ import annotations
 
-import io
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,7 +19,7 @@ from perilune import _core
 from perilune.camera import bands
 from perilune.document.references import HIERARCHY, MASKS, OBJECTS, SENSOR_PICTURES
 from perilune.export.writers.bop_files import RGB_FOLDER
-from perilune.export.writers.files import PNG_LEVEL, write_bytes
+from perilune.export.writers.files import PNG_LEVEL, npy_parts, write_bytes
 from perilune.export.writers.scans import scan_names
 from perilune.export.writers.shown import main_picture
 from perilune.frame.craters import bodies_with
@@ -59,9 +58,7 @@ class ChannelFiles:
         """Writes a sample's channel, completely or not at all. Recording the image flushes it to
         the disk."""
         if self.suffix == NPY:
-            file = io.BytesIO()
-            np.lib.format.write_array(file, np.ascontiguousarray(array), version=(1, 0))
-            write_bytes(path, [file.getbuffer()], sync=False)
+            write_bytes(path, npy_parts(array), sync=False)
         else:
             _core.png_write(str(path), self.picture(array), PNG_LEVEL)
 

@@ -15,9 +15,9 @@ from perilune import _core
 from perilune.base.colors import id_colors
 from perilune.export.writers.formats.base import Array
 from perilune.export.writers.formats.channels import IMAGE, Channel
+from perilune.export.writers.files import PNG_LEVEL, npy_parts
 from perilune.export.writers.whole import png_chunks
 
-PNG_LEVEL = 6
 IDS = ("semantic", "part", "instance", "hazard", "shadow")
 """Channels of ids that dataset_info.json names."""
 _LARGEST_16 = 65535
@@ -25,9 +25,7 @@ _LARGEST_16 = 65535
 
 def npy(array: Array) -> bytes:
     """An array as NPY, version 1.0."""
-    file = io.BytesIO()
-    np.lib.format.write_array(file, np.ascontiguousarray(array), version=(1, 0))
-    return file.getvalue()
+    return b"".join(npy_parts(array))
 
 
 DEFLATE_LEVEL = 1
