@@ -25,22 +25,37 @@ static const pl_ground_point *neighbour(const pl_ground_map *map, int x, int y, 
   return to != NULL && to->body == at->body ? to : NULL;
 }
 
-static bool look_around(const pl_ground_map *map, int x, int y, window *out) {
-  const pl_ground_point *at = point_at(map, x, y);
-  if (at->body < 0)
+/* The pixels of a window; false if not all see the body of the middle. */
+static bool look_around(const pl_ground_map *map, int x, int y, const pl_ground_point *out[3][3]) {
+  if (point_at(map, x, y)->body < 0)
     return false;
+  for (int j = 0; j < 3; j++)
+    for (int i = 0; i < 3; i++)
+      if ((out[j][i] = neighbour(map, x, y, i - 1, j - 1)) == NULL)
+        return false;
+  return true;
+}
+
+/* Whether all have one elevation, as on an ellipsoid. */
+static bool is_level(const pl_ground_point *const points[3][3]) {
+  for (int k = 1; k < 9; k++)
+    if (points[k / 3][k % 3]->elevation_m != points[0][0]->elevation_m)
+      return false;
+  return true;
+}
+
+static window window_of(const pl_ground_point *const points[3][3]) {
+  window out;
   pl_vec3 east, north;
-  pl_ground_axes(pl_vec3_unit(at->position), &east, &north);
+  pl_ground_axes(pl_vec3_unit(points[1][1]->position), &east, &north);
   for (int j = 0; j < 3; j++)
     for (int i = 0; i < 3; i++) {
-      const pl_ground_point *to = neighbour(map, x, y, i - 1, j - 1);
-      if (to == NULL)
-        return false;
-      out->height[j][i] = to->elevation_m;
-      out->east[j][i] = pl_vec3_dot(to->position, east);
-      out->north[j][i] = pl_vec3_dot(to->position, north);
+      const pl_ground_point *to = points[j][i];
+      out.height[j][i] = to->elevation_m;
+      out.east[j][i] = pl_vec3_dot(to->position, east);
+      out.north[j][i] = pl_vec3_dot(to->position, north);
     }
-  return true;
+  return out;
 }
 
 /* Sobel's derivatives along columns and rows, per pixel. */
@@ -49,7 +64,10 @@ static void sobel(const double v[3][3], double *along_x, double *along_y) {
   *along_y = 0.125 * ((v[2][0] - v[0][0]) + 2.0 * (v[2][1] - v[0][1]) + (v[2][2] - v[0][2]));
 }
 
-static float slope_of(const window *w) {
+static float slope_of(const pl_ground_point *const points[3][3]) {
+  if (is_level(points))
+    return 0.0f;
+  const window of = window_of(points), *w = &of;
   double hx, hy, ex, ey, nx, ny;
   sobel(w->height, &hx, &hy);
   sobel(w->east, &ex, &ey);
@@ -65,8 +83,8 @@ void pl_write_slope_sobel(const pl_ground_map *map, int y0, int y1) {
   float *out = (float *)map->images[PL_GROUND_SLOPE_SOBEL] + (size_t)y0 * (size_t)width;
   for (int y = y0; y < y1; y++)
     for (int x = 0; x < width; x++) {
-      window w;
-      *out++ = look_around(map, x, y, &w) ? slope_of(&w) : NAN;
+      const pl_ground_point *around[3][3];
+      *out++ = look_around(map, x, y, around) ? slope_of(around) : NAN;
     }
 }
 

@@ -72,7 +72,10 @@ void pl_ground_map_take(const pl_ground_map *map, const pl_snapshot *shot, const
         continue;
       const pl_vec3 p = pl_vec3_sub(from[x].position, body->center);
       to[x].position = pl_mat3_mul_vec_t(body->rotation, p);
-      to[x].elevation_m = pl_vec3_norm(p) - pl_ground_datum_m(body, p);
+      /* that of an ellipsoid is its datum's, which rounding would miss */
+      to[x].elevation_m = pl_surface_is_ellipsoid(from[x].surface_id)
+                              ? 0.0
+                              : pl_vec3_norm(p) - pl_ground_datum_m(body, p);
     }
   }
 }

@@ -94,17 +94,13 @@ static void cast(const pl_snapshot *shot, const pl_tracer *tracer, int samples, 
   }
 }
 
-/* `centre`: what the ray through the centre sees. `mixed`: others may see something else. */
+/* Counts what the rays of a pixel see. */
 static void look(const pl_instance_coverage *coverage, const pl_snapshot *shot,
-                 const pl_tile_result *result, int x, int y, bool mixed, tally *t) {
-  const int samples = coverage->settings.samples;
+                 const pl_tile_result *result, int x, int y, tally *t) {
   const pl_tile tile = result->tile;
   t->count = 0;
   add(shot, result->points[y * PL_TILE_SIDE + x].surface_id, t);
-  if (mixed)
-    cast(shot, result->tracer, samples, tile.x0 + x, tile.y0 + y, t);
-  else if (t->count > 0)
-    t->shares[0].count = samples;
+  cast(shot, result->tracer, coverage->settings.samples, tile.x0 + x, tile.y0 + y, t);
 }
 
 /* The largest first; of equal ones the lower id. */
@@ -144,6 +140,19 @@ static void write_pixel(const pl_instance_coverage *coverage, size_t at, const t
   }
 }
 
+/* Writes a pixel that one instance fills, or with a part of 0 none. */
+static void write_whole(const pl_instance_coverage *coverage, size_t at, float part, int32_t id) {
+  const size_t layers = (size_t)coverage->settings.layers;
+  if (coverage->parts != NULL) {
+    memset(coverage->parts + at * layers, 0, layers * sizeof *coverage->parts);
+    coverage->parts[at * layers] = part;
+  }
+  if (coverage->ids != NULL) {
+    memset(coverage->ids + at * layers, 0, layers * sizeof *coverage->ids);
+    coverage->ids[at * layers] = id;
+  }
+}
+
 void pl_instance_coverage_write(const pl_instance_coverage *coverage, const pl_snapshot *shot,
                                 const pl_tile_result *result) {
   const pl_tile tile = result->tile;
@@ -157,11 +166,17 @@ void pl_instance_coverage_write(const pl_instance_coverage *coverage, const pl_s
   for (int y = 0; y < tile.height; y++)
     for (int x = 0; x < tile.width; x++) {
       const size_t column = (size_t)(tile.x0 + x), row = (size_t)(tile.y0 + y);
-      if (!result->empty) {
-        look(coverage, shot, result, x, y, mixed[y * PL_TILE_SIDE + x], &t);
-        sort(&t);
-        fold(&t, (size_t)coverage->settings.layers);
+      const size_t at = row * (size_t)shot->rays.camera.width + column;
+      const pl_surface_id id =
+          result->empty ? PL_NO_SURFACE : result->points[y * PL_TILE_SIDE + x].surface_id;
+      if (result->empty || !mixed[y * PL_TILE_SIDE + x]) {
+        const bool none = pl_surface_is_none(id);
+        write_whole(coverage, at, none ? 0.0f : 1.0f, none ? 0 : instance_of(shot, id, &t));
+        continue;
       }
-      write_pixel(coverage, row * (size_t)shot->rays.camera.width + column, &t);
+      look(coverage, shot, result, x, y, &t);
+      sort(&t);
+      fold(&t, (size_t)coverage->settings.layers);
+      write_pixel(coverage, at, &t);
     }
 }

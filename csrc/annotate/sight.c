@@ -155,10 +155,13 @@ bool pl_sight_project(const pl_sight_frame *frame, const pl_sight *s, pl_sight_m
   const pl_placement *placement = frame->placement;
   double row = 0.5 * (placement->camera.height - 1);
   for (int i = 0; i < ROW_ITERATIONS; i++) {
-    const pl_carrier c = frame->rows
-                             ? carrier_at(placement, s, pl_shutter_row_share(placement, row))
-                             : *carry(frame, s, memo);
-    *point = pl_mat3_mul_vec_t(c.camera, pl_affine_apply(&c.place, s->local));
+    pl_carrier of_row;
+    const pl_carrier *c = &of_row;
+    if (frame->rows)
+      of_row = carrier_at(placement, s, pl_shutter_row_share(placement, row));
+    else
+      c = carry(frame, s, memo);
+    *point = pl_mat3_mul_vec_t(c->camera, pl_affine_apply(&c->place, s->local));
     if (!pl_camera_project(&frame->shot->rays.camera, *point, pixel))
       return false;
     if (!frame->rows || fabs(pixel[1] - row) <= ROW_PX)

@@ -1,10 +1,11 @@
 #include "annotate/surface_channels.h"
 
 /* Everything that colours a surface, whatever the plan leaves out of the picture; nothing that only
- * bends or lights it. */
+ * bends or lights it. Graphs bend what they colour by it. */
 static pl_detail detail_of_colors(void) {
   pl_detail detail = PL_DETAIL_FULL;
   detail.relief = detail.sub_cell = detail.lights = false;
+  detail.color_only = true;
   return detail;
 }
 

@@ -134,7 +134,11 @@ static void shade_body_graph(const pl_snapshot *shot, const pl_shot_body *body, 
   if (pl_graph_wraps(graph))
     own_surface(body, beam, &place, detail, vertex);
   const pl_graph_point point = graph_point(body, beam, &place, detail, vertex);
-  pl_graph_surface(graph, &point, body->state->parameters, &vertex->surface);
+  pl_surface *const surface = &vertex->surface;
+  if (detail.color_only)
+    pl_graph_colors(graph, &point, 1, body->state->parameters, &surface);
+  else
+    pl_graph_surface(graph, &point, body->state->parameters, surface);
 }
 
 void pl_body_surface_classify(const pl_snapshot *shot, const pl_shot_body *body,
@@ -162,10 +166,11 @@ void pl_body_surface_shade(const pl_snapshot *shot, const pl_shot_body *body, co
   pl_body_place place = {0};
   if (detail.maps && (ground || body->body->map != NULL))
     place = place_of(body, vertex, beam);
-  pl_surface_set_frame(&vertex->surface, normal_at(shot, vertex), (pl_vec3f){0.0f, 0.0f, 0.0f},
-                       1.0f);
+  if (!detail.color_only)
+    pl_surface_set_frame(&vertex->surface, normal_at(shot, vertex), (pl_vec3f){0.0f, 0.0f, 0.0f},
+                         1.0f);
   own_surface(body, beam, &place, detail, vertex);
-  if (!ground)
+  if (!ground || (detail.color_only && !pl_ground_tints(body)))
     return;
   pl_ground_bend(body, &place, detail, &vertex->surface);
   pl_ground_flood(body, &place, detail, &vertex->surface);

@@ -160,7 +160,7 @@ static float through(const place *at, bool ground) {
 }
 
 static float passed_at(const place *at, bool ground) {
-  return 1.0f - at->cover * (1.0f - through(at, ground));
+  return at->cover > 0.0f ? 1.0f - at->cover * (1.0f - through(at, ground)) : 1.0f;
 }
 
 /* Relative change of the sunlight on tops that are tilted towards the sun or away from it. It is
@@ -330,7 +330,7 @@ typedef struct waiting {
 
 static void pass_waiting(const cloud_item *item, waiting *w) {
   pl_cloud_place seen[PL_LANES];
-  pl_cloud_places(&item->cover, w->spots, w->count, false, seen);
+  pl_cloud_places(&item->cover, w->spots, w->count, 0, seen);
   for (size_t i = 0; i < w->count; i++) {
     set_cover(&seen[i], &w->places[i]);
     *w->passed[i] *= passed_at(&w->places[i], false);

@@ -113,10 +113,11 @@ typedef struct graph_batch {
   size_t count;
 } graph_batch;
 
-static void shade_batch(graph_batch *batch) {
+static void shade_batch(pl_detail detail, graph_batch *batch) {
   const pl_value *own = batch->object->parameters;
-  pl_graph_surfaces(batch->graph->graph, batch->points, batch->count,
-                    own != NULL ? own + batch->graph->first_parameter : NULL, batch->surfaces);
+  const pl_value *params = own != NULL ? own + batch->graph->first_parameter : NULL;
+  (detail.color_only ? pl_graph_colors : pl_graph_surfaces)(
+      batch->graph->graph, batch->points, batch->count, params, batch->surfaces);
   batch->count = 0;
 }
 
@@ -157,10 +158,10 @@ static void shade_graph(pl_detail detail, const pl_vertex_view *run, mesh_shadin
     batch.points[batch.count] = graph_point(batch.object, &meshes[i].triangle, detail, &run[i]);
     batch.surfaces[batch.count++] = &run[i].vertex->surface;
     if (batch.count == PL_LANES)
-      shade_batch(&batch);
+      shade_batch(detail, &batch);
   }
   if (batch.count > 0)
-    shade_batch(&batch);
+    shade_batch(detail, &batch);
 }
 
 /* Labels are those of the point itself, not of a footprint. */

@@ -25,6 +25,11 @@ void pl_ground_bend(const pl_shot_body *body, const pl_body_place *place, pl_det
   pl_surface_set_frame(surface, pl_vec3_to_float(bent), surface->t, 1.0f);
 }
 
+bool pl_ground_tints(const pl_shot_body *body) {
+  const float *water = body->state->ground.water;
+  return body->body->ground.ocean && !(isnan(water[0]) && isnan(water[1]) && isnan(water[2]));
+}
+
 void pl_ground_flood(const pl_shot_body *body, const pl_body_place *place, pl_detail detail,
                      pl_surface *surface) {
   const pl_ground *ground = &body->body->ground;

@@ -8,6 +8,8 @@
 /* Tilts the normal of the shading frame by the relief. */
 void pl_ground_bend(const pl_shot_body *body, const pl_body_place *place, pl_detail detail,
                     pl_surface *surface);
+/* Whether water changes the colour: it has one of its own. */
+bool pl_ground_tints(const pl_shot_body *body);
 /* Blends a coloured Lambert surface with water where the map has water. */
 void pl_ground_flood(const pl_shot_body *body, const pl_body_place *place, pl_detail detail,
                      pl_surface *surface);

@@ -93,7 +93,7 @@ void pl_vertex_shade_run(const pl_snapshot *shot, pl_detail detail, const pl_ver
     else if (!done[i])
       shade_kind(shot, detail, run, i, count, done);
   }
-  for (size_t i = 0; i < count; i++) {
+  for (size_t i = 0; i < count && !detail.color_only; i++) {
     pl_vertex *vertex = run[i].vertex;
     const pl_geometry_kind *kind = pl_geometry_of(vertex->surface_id);
     face_viewer(&vertex->surface, vertex->ng,

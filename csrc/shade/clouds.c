@@ -157,7 +157,7 @@ PL_WIDE static void find_hidden(const pl_cloud_cover *cover, const float *restri
 /* Cover for a mean cover of `mean`, where the noise that is resolved has a value, and what is
  * hidden is that of find_hidden. */
 static broken break_cover(const pl_cloud_cover *cover, float mean, float lost, float uneven,
-                          const pl_fractal_value *seen) {
+                          const pl_fractal_value *seen, unsigned wants) {
   const pl_clouds *clouds = cover->clouds;
   const float value = cover->scale * seen->value;
   broken out = {.cover = 1.0f, .gradient = pl_vec3f_scale(seen->gradient, cover->scale)};
@@ -169,8 +169,9 @@ static broken break_cover(const pl_cloud_cover *cover, float mean, float lost, f
     const float threshold = -cover->spread * normal_place(mean);
     at = (value - threshold) / spread;
     out.cover = 0.5f * erfcf((threshold - value) / (spread * (float)(2.0 * SQRT_HALF)));
-    out.unsure = sqrtf(uneven * (float)PL_NOISE_VARIANCE) / spread *
-                 normal_density(pl_maxf(fabsf(at) - 1.0f, 0.0f));
+    if ((wants & PL_CLOUD_UNSURE) != 0)
+      out.unsure = sqrtf(uneven * (float)PL_NOISE_VARIANCE) / spread *
+                   normal_density(pl_maxf(fabsf(at) - 1.0f, 0.0f));
   }
   if (clouds->depth_spread > 0.0f)
     out.excess = excess_of(cover, mean, value, lost, spread, at);
@@ -275,18 +276,18 @@ static void find_noise(const pl_cloud_cover *cover, const sight *sights, size_t 
     out->seen[i].value = value[i];
 }
 
-static pl_cloud_place place_by(const pl_cloud_cover *cover, const sight *sight, bool tops,
+static pl_cloud_place place_by(const pl_cloud_cover *cover, const sight *sight, unsigned wants,
                                const resolved *noise, size_t lane) {
   const pl_clouds *clouds = cover->clouds;
   pl_cloud_place out = {.cover = sight->mean, .depth = clouds->depth};
   if (sight->noisy) {
-    const broken b =
-        break_cover(cover, sight->mean, noise->lost[lane], noise->uneven[lane], &noise->seen[lane]);
+    const broken b = break_cover(cover, sight->mean, noise->lost[lane], noise->uneven[lane],
+                                 &noise->seen[lane], wants);
     out.cover = b.cover;
     out.unsure = clouds->opacity * b.unsure;
     if (clouds->depth_spread > 0.0f)
       out.depth *= expf(clouds->depth_spread * b.excess);
-    if (tops)
+    if ((wants & PL_CLOUD_TOPS) != 0)
       out.slope = slope_of(cover, b.gradient);
   }
   out.cover *= clouds->opacity;
@@ -294,13 +295,14 @@ static pl_cloud_place place_by(const pl_cloud_cover *cover, const sight *sight, 
 }
 
 void pl_cloud_places(const pl_cloud_cover *cover, const pl_cloud_spot *spots, size_t count,
-                     bool tops, pl_cloud_place *out) {
+                     unsigned wants, pl_cloud_place *out) {
   sight sights[PL_LANES];
   resolved noise = {.lost = {0.0f}};
   bool noisy = false;
   if (count == 0)
     return;
-  tops = tops && cover->clouds->relief_m > 0.0f;
+  if (!(cover->clouds->relief_m > 0.0f))
+    wants &= ~(unsigned)PL_CLOUD_TOPS;
   for (size_t i = 0; i < count; i++)
     sights[i] = sight_of(cover, &spots[i]);
   warp(cover->clouds, sights, count);
@@ -309,16 +311,16 @@ void pl_cloud_places(const pl_cloud_cover *cover, const pl_cloud_spot *spots, si
     noisy |= sights[i].noisy;
   }
   if (noisy)
-    find_noise(cover, sights, count, tops, &noise);
+    find_noise(cover, sights, count, (wants & PL_CLOUD_TOPS) != 0, &noise);
   for (size_t i = 0; i < count; i++)
-    out[i] = place_by(cover, &sights[i], tops, &noise, i);
+    out[i] = place_by(cover, &sights[i], wants, &noise, i);
 }
 
 pl_cloud_place pl_cloud_place_at(const pl_cloud_cover *cover, pl_vec3 point, pl_vec3 across,
                                  pl_vec3 along, bool tops) {
   const pl_cloud_spot spot = {point, across, along};
   pl_cloud_place out;
-  pl_cloud_places(cover, &spot, 1, tops, &out);
+  pl_cloud_places(cover, &spot, 1, PL_CLOUD_UNSURE | (tops ? PL_CLOUD_TOPS : 0u), &out);
   return out;
 }
 

@@ -72,9 +72,11 @@ pl_cloud_place pl_cloud_place_at(const pl_cloud_cover *cover, pl_vec3 point, pl_
 typedef struct pl_cloud_spot {
   pl_vec3 point, across, along;
 } pl_cloud_spot;
+/* What is asked of clouds beside cover and depth; the rest of pl_cloud_place is 0. */
+enum { PL_CLOUD_TOPS = 1, PL_CLOUD_UNSURE = 2 };
 /* The same of up to PL_LANES footprints, which cost less together; of the same bits. */
 void pl_cloud_places(const pl_cloud_cover *cover, const pl_cloud_spot *spots, size_t count,
-                     bool tops, pl_cloud_place *out);
+                     unsigned wants, pl_cloud_place *out);
 /* The mean cover alone. Octaves hidden by the footprint or by `detail` are treated as normally
  * distributed, so that the mean cover does not depend on the distance. */
 float pl_cloud_cover_at(const pl_cloud_cover *cover, pl_vec3 point, pl_vec3 across, pl_vec3 along);

@@ -234,6 +234,21 @@ void pl_graph_surfaces(const pl_graph *graph, const pl_graph_point *points, size
   }
 }
 
+void pl_graph_colors(const pl_graph *graph, const pl_graph_point *points, size_t count,
+                     const pl_value *params, pl_surface *const *surfaces) {
+  pl_lanes registers[PL_GRAPH_REGISTERS];
+  const pl_program *program = &graph->programs[graph->color];
+  const batch at = {points, count, params};
+  if (graph->color == 0)
+    return;
+  run(graph, program, &at, registers, NULL);
+  for (size_t i = 0; i < count; i++) {
+    pl_value color;
+    pl_operand_value(graph, params, registers, program->outputs[0], i, color);
+    surfaces[i]->color = cut3(color, 1.0f, 1.0f);
+  }
+}
+
 void pl_graph_surface(const pl_graph *graph, const pl_graph_point *point, const pl_value *params,
                       pl_surface *surface) {
   pl_graph_surfaces(graph, point, 1, params, &surface);

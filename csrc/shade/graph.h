@@ -53,6 +53,10 @@ void pl_graph_surface(const pl_graph *graph, const pl_graph_point *point, const 
 /* The same at `count` points, at most PL_LANES, and faster than one by one. */
 void pl_graph_surfaces(const pl_graph *graph, const pl_graph_point *points, size_t count,
                        const pl_value *params, pl_surface *const *surfaces);
+/* Sets only the colours, of the same bits: see pl_graph_surfaces. A colour that the graph does not
+ * set stays as it is. */
+void pl_graph_colors(const pl_graph *graph, const pl_graph_point *points, size_t count,
+                     const pl_value *params, pl_surface *const *surfaces);
 bool pl_graph_wraps(const pl_graph *graph);
 /* True if the graph, rather than the model's material, sets the surface's emission. */
 bool pl_graph_sets_emission(const pl_graph *graph);

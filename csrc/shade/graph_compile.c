@@ -358,6 +358,25 @@ static pl_status build_emission(const builder *outer, const pl_graph_node *surfa
   return status;
 }
 
+/* The same for the colour, of which labels tell the albedo. */
+static pl_status build_color(const builder *outer, const pl_graph_node *surface) {
+  pl_graph *graph = outer->graph;
+  builder inner = {
+      .description = outer->description, .graph = graph, .node_constants = outer->node_constants};
+  if ((graph->sets >> PL_SURFACE_BASE_COLOR & 1u) == 0)
+    return PL_OK;
+  pl_operand color = {0};
+  pl_status status = start(&inner);
+  if (status == PL_OK)
+    status = build_input(&inner, surface, PL_SURFACE_BASE_COLOR, &color);
+  if (status == PL_OK) {
+    graph->color = inner.program;
+    graph->programs[inner.program].outputs[0] = color;
+  }
+  finish(&inner);
+  return status;
+}
+
 static pl_status spread_constants(pl_graph *graph) {
   void *memory;
   PL_TRY(pl_alloc_or_fail(graph->constant_count, sizeof(pl_lanes), "a graph", &memory));
@@ -382,6 +401,8 @@ static pl_status build(const pl_graph_description *d, pl_graph *graph) {
     find_set(surface, graph);
     status = build_emission(&b, surface);
   }
+  if (status == PL_OK)
+    status = build_color(&b, surface);
   finish(&b);
   return status == PL_OK ? spread_constants(graph) : status;
 }

@@ -50,8 +50,10 @@ struct pl_graph {
   bool cuts;        /* alpha may be below 0.5 */
   bool absent;      /* alpha is below 0.5 everywhere */
   size_t emission;  /* program with only emission_color and emission_strength; 0: no emission */
+  size_t color;     /* program with only base_color; 0: the graph does not set it */
   size_t parameter_count;
-  pl_program *programs; /* owned; 0 is the surface's, the others are for lazy inputs and emission */
+  pl_program *programs; /* owned; 0 is the surface's, the others are for lazy inputs, emission and
+                           colour */
   size_t program_count;
   pl_value *constants; /* owned: all folded values */
   pl_lanes *spread;    /* owned: the same in all lanes */

@@ -151,11 +151,13 @@ void pl_material_surface(const pl_model *model, const pl_triangle_point *point, 
   float base[4], vertex[4], mr[4];
   image_place place = {.set = NO_SET};
   read_slot(model, point, &material->base_color_map, detail, &place, base);
-  read_slot(model, point, &material->metallic_roughness_map, detail, &place, mr);
   vertex_color(model, point, vertex);
   surface->color = pl_vec3f_make(base[0] * vertex[0] * material->base_color[0],
                                  base[1] * vertex[1] * material->base_color[1],
                                  base[2] * vertex[2] * material->base_color[2]);
+  if (detail.color_only)
+    return;
+  read_slot(model, point, &material->metallic_roughness_map, detail, &place, mr);
   surface->emission = emission_of(model, point, material, detail, &place);
   const float roughness = mr[1] * material->roughness;
   surface->alpha = roughness * roughness;

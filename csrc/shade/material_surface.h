@@ -18,6 +18,7 @@ typedef struct pl_detail {
   bool lights;      /* of bodies at night; false: dark */
   bool rays;        /* of craters on terrain; false: ground without them */
   pl_filter filter; /* of textures */
+  bool color_only;  /* of surfaces only their colour is asked for; all else may stay unset */
   bool box;         /* the body's colours are read only once per pixel: see pl_texture_box */
 } pl_detail;
 #define PL_DETAIL_FULL                                                                             \
