@@ -69,10 +69,11 @@ static void add(const pl_snapshot *shot, pl_surface_id id, tally *t) {
   t->shares[k].count++;
 }
 
-/* Ray `index` of a pixel, through the centre of the lens. */
-static pl_ray ray_of(const pl_snapshot *shot, int index, int samples, int x, int y) {
-  double offset[2];
-  pl_image_sample_offset((uint32_t)index, samples, offset);
+/* Where the rays of a pixel leave it, from its centre, px. */
+typedef double offset_list[PL_COVERAGE_SAMPLES_MAX][2];
+
+/* A ray of a pixel, through the centre of the lens. */
+static pl_ray ray_of(const pl_snapshot *shot, const double offset[2], int x, int y) {
   const pl_vec3 direction = pl_snapshot_ray(shot, x + offset[0], y + offset[1]);
   if (pl_vec3_dot(direction, direction) > 0.0)
     return (pl_ray){.t_max = INFINITY, .direction = direction, .skip_body = PL_NO_BODY};
@@ -80,14 +81,14 @@ static pl_ray ray_of(const pl_snapshot *shot, int index, int samples, int x, int
 }
 
 /* Adds the other rays of a pixel; the first is that through its centre. */
-static void cast(const pl_snapshot *shot, const pl_tracer *tracer, int samples, int x, int y,
-                 tally *t) {
+static void cast(const pl_snapshot *shot, const pl_tracer *tracer, int samples,
+                 const offset_list offsets, int x, int y, tally *t) {
   pl_ray rays[RUN];
   pl_hit hits[RUN];
   for (int from = 1; from < samples; from += RUN) {
     const int count = samples - from < RUN ? samples - from : RUN;
     for (int i = 0; i < count; i++)
-      rays[i] = ray_of(shot, from + i, samples, x, y);
+      rays[i] = ray_of(shot, offsets[from + i], x, y);
     pl_tracer_closest(tracer, rays, hits, (size_t)count, true, true);
     for (int i = 0; i < count; i++)
       add(shot, hits[i].surface_id, t);
@@ -96,11 +97,11 @@ static void cast(const pl_snapshot *shot, const pl_tracer *tracer, int samples, 
 
 /* Counts what the rays of a pixel see. */
 static void look(const pl_instance_coverage *coverage, const pl_snapshot *shot,
-                 const pl_tile_result *result, int x, int y, tally *t) {
+                 const pl_tile_result *result, const offset_list offsets, int x, int y, tally *t) {
   const pl_tile tile = result->tile;
   t->count = 0;
   add(shot, result->points[y * PL_TILE_SIDE + x].surface_id, t);
-  cast(shot, result->tracer, coverage->settings.samples, tile.x0 + x, tile.y0 + y, t);
+  cast(shot, result->tracer, coverage->settings.samples, offsets, tile.x0 + x, tile.y0 + y, t);
 }
 
 /* The largest first; of equal ones the lower id. */
@@ -157,7 +158,10 @@ void pl_instance_coverage_write(const pl_instance_coverage *coverage, const pl_s
                                 const pl_tile_result *result) {
   const pl_tile tile = result->tile;
   bool mixed[PL_TILE_PIXELS];
+  offset_list offsets;
   tally t;
+  for (int i = 0; i < coverage->settings.samples; i++)
+    pl_image_sample_offset((uint32_t)i, coverage->settings.samples, offsets[i]);
   t.count = 0;
   t.last = PL_NO_SURFACE;
   t.last_id = 0;
@@ -174,7 +178,7 @@ void pl_instance_coverage_write(const pl_instance_coverage *coverage, const pl_s
         write_whole(coverage, at, none ? 0.0f : 1.0f, none ? 0 : instance_of(shot, id, &t));
         continue;
       }
-      look(coverage, shot, result, x, y, &t);
+      look(coverage, shot, result, offsets, x, y, &t);
       sort(&t);
       fold(&t, (size_t)coverage->settings.layers);
       write_pixel(coverage, at, &t);

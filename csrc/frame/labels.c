@@ -187,6 +187,19 @@ static pl_status label_group(const pl_labels *labels, const pl_silhouette_job *j
   return PL_OK;
 }
 
+/* A group of the same parts before it, as a part that is a node's only one; NULL: none. Its label is
+ * this one's, too. */
+static const pl_object_label *label_of_equal(const pl_labels *labels, size_t index) {
+  const pl_part_group *group = &labels->request->groups[index];
+  const size_t count = labels->shot->objects[group->object].object->part_count;
+  for (size_t i = 0; i < index; i++) {
+    const pl_part_group *other = &labels->request->groups[i];
+    if (other->object == group->object && memcmp(other->parts, group->parts, count) == 0)
+      return &labels->request->group_labels[i];
+  }
+  return NULL;
+}
+
 static size_t larger(size_t a, size_t b) { return a > b ? a : b; }
 
 static pl_status label_groups(const pl_labels *labels, const pl_silhouette_job *job,
@@ -208,8 +221,13 @@ static pl_status label_groups(const pl_labels *labels, const pl_silhouette_job *
   PL_TRY(take(arena, most_bounds, sizeof(pl_cluster), &bounds));
   group_scratch scratch = {
       .pieces = pieces, .boxes = boxes, .parts = parts, .bounds = bounds, .object = SIZE_MAX};
-  for (size_t i = 0; i < request->group_count; i++)
-    PL_TRY(label_group(labels, job, &request->groups[i], &scratch, &request->group_labels[i]));
+  for (size_t i = 0; i < request->group_count; i++) {
+    const pl_object_label *equal = label_of_equal(labels, i);
+    if (equal != NULL)
+      request->group_labels[i] = *equal;
+    else
+      PL_TRY(label_group(labels, job, &request->groups[i], &scratch, &request->group_labels[i]));
+  }
   return PL_OK;
 }
 

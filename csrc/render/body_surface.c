@@ -67,10 +67,12 @@ static void own_surface(const pl_shot_body *body, const pl_beam *beam, const pl_
     return;
   }
   body_color(body, place, detail, map);
-  surface->emission = pl_vec3f_make(state->emission[0], state->emission[1], state->emission[2]);
-  surface->metallic = 0.0f;
-  surface->alpha = 1.0f;
-  surface->lobes = pl_lobes_plain();
+  if (!detail.color_only) {
+    surface->emission = pl_vec3f_make(state->emission[0], state->emission[1], state->emission[2]);
+    surface->metallic = 0.0f;
+    surface->alpha = 1.0f;
+    surface->lobes = pl_lobes_plain();
+  }
   surface->reflectance = body->body->reflectance;
   if (surface->reflectance->photometric)
     pl_regolith_shade(body, beam, detail.maps, vertex, map);
