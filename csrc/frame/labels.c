@@ -187,8 +187,8 @@ static pl_status label_group(const pl_labels *labels, const pl_silhouette_job *j
   return PL_OK;
 }
 
-/* A group of the same parts before it, as a part that is a node's only one; NULL: none. Its label is
- * this one's, too. */
+/* A group of the same parts before it, as a part that is a node's only one; NULL: none. Its label
+ * is this one's, too. */
 static const pl_object_label *label_of_equal(const pl_labels *labels, size_t index) {
   const pl_part_group *group = &labels->request->groups[index];
   const size_t count = labels->shot->objects[group->object].object->part_count;

@@ -116,8 +116,8 @@ typedef struct graph_batch {
 static void shade_batch(pl_detail detail, graph_batch *batch) {
   const pl_value *own = batch->object->parameters;
   const pl_value *params = own != NULL ? own + batch->graph->first_parameter : NULL;
-  (detail.color_only ? pl_graph_colors : pl_graph_surfaces)(
-      batch->graph->graph, batch->points, batch->count, params, batch->surfaces);
+  (detail.color_only ? pl_graph_colors : pl_graph_surfaces)(batch->graph->graph, batch->points,
+                                                            batch->count, params, batch->surfaces);
   batch->count = 0;
 }
 

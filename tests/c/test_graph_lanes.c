@@ -61,7 +61,8 @@ static bool same_surface(const pl_surface *a, const pl_surface *b) {
 /* One graph at random points: batches of every size beside batches of one. */
 static void compare_batches(const pl_graph *graph, const char *name, draws *d) {
   pl_graph_point points[PL_LANES];
-  pl_surface alone[PL_LANES], together[PL_LANES], *surfaces[PL_LANES];
+  pl_surface alone[PL_LANES], together[PL_LANES], tinted[PL_LANES];
+  pl_surface *surfaces[PL_LANES], *colored[PL_LANES];
   pl_value params[PARAMETERS];
   for (size_t k = 0; k < PARAMETERS; k++)
     for (size_t i = 0; i < 4; i++)
@@ -69,14 +70,19 @@ static void compare_batches(const pl_graph *graph, const char *name, draws *d) {
   for (size_t count = 1; count <= PL_LANES; count++) {
     for (size_t i = 0; i < count; i++) {
       points[i] = draw_point(d);
-      alone[i] = together[i] = plain();
+      alone[i] = together[i] = tinted[i] = plain();
       surfaces[i] = &together[i];
+      colored[i] = &tinted[i];
       pl_graph_surface(graph, &points[i], params, &alone[i]);
     }
     pl_graph_surfaces(graph, points, count, params, surfaces);
-    for (size_t i = 0; i < count; i++)
+    pl_graph_colors(graph, points, count, params, colored);
+    for (size_t i = 0; i < count; i++) {
       if (!same_surface(&alone[i], &together[i]))
         fail_msg("%s: lane %zu of %zu differs", name, i, count);
+      if (memcmp(&alone[i].color, &tinted[i].color, sizeof tinted[i].color) != 0)
+        fail_msg("%s: the colour alone differs in lane %zu of %zu", name, i, count);
+    }
   }
 }
 

@@ -274,8 +274,8 @@ def test_smooth_bodies_are_flat_and_have_no_baselines() -> None:
     keys = ("kind", "target", "lon_deg", "lat_deg", "height_m")
     camera = {"trajectory": {key: over(100e3)[key] for key in keys}}
     bodies = {"moon": {"kind": "moon", "albedo": 0.3}}
-    names = ["slope_sobel", "slope_baseline", "hazard"]
+    names = ["slope_sobel", "roughness_laplacian", "slope_baseline", "hazard"]
     sample = moon({}, camera, bodies=bodies).frame(0, names)
-    assert np.nanmax(sample["slope_sobel"]) < 1e-6
+    assert np.nanmax(sample["slope_sobel"]) == np.nanmax(sample["roughness_laplacian"]) == 0.0
     assert np.isnan(sample["slope_baseline"]).all()
     assert (sample["hazard"] == 128).all()

@@ -5,20 +5,28 @@ from __future__ import annotations
 import io
 import json
 import zipfile
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
+from perilune.export.writers.files import npy_parts
 from perilune.export.writers.formats.base import Array, Encoded, Format, Frame, Info, Record
 from perilune.export.writers.formats.channels import Channel
-from perilune.export.writers.formats.pixels import DEFLATE_LEVEL, deflates, from_npy, npy
+from perilune.export.writers.formats.pixels import DEFLATE_LEVEL, deflates, from_npy
 
 _META = "meta.json"
 
 
-def _add(archive: zipfile.ZipFile, name: str, data: bytes, deflated: bool) -> None:
+def _add(
+    archive: zipfile.ZipFile, name: str, parts: Sequence[bytes | memoryview], deflated: bool
+) -> None:
+    """Writes the parts of a file, which are not joined before: that would copy all arrays."""
     entry = zipfile.ZipInfo(name)  # of 1980-01-01
     entry.external_attr = 0o644 << 16
-    method = zipfile.ZIP_DEFLATED if deflated else zipfile.ZIP_STORED
-    archive.writestr(entry, data, method, DEFLATE_LEVEL)
+    entry.compress_type = zipfile.ZIP_DEFLATED if deflated else zipfile.ZIP_STORED
+    entry._compresslevel = DEFLATE_LEVEL  # type: ignore[attr-defined]  # as writestr sets it
+    entry.file_size = sum(len(part) for part in parts)
+    with archive.open(entry, "w") as file:
+        for part in parts:
+            file.write(part)
 
 
 class Npz(Format):
@@ -39,8 +47,8 @@ class Npz(Format):
         record = json.dumps(frame.record, sort_keys=True).encode("utf-8")
         with zipfile.ZipFile(file, "w") as archive:
             for name, array in frame.arrays.items():
-                _add(archive, f"{name}.npy", npy(array), deflates(array))
-            _add(archive, _META, record, True)
+                _add(archive, f"{name}.npy", npy_parts(array), deflates(array))
+            _add(archive, _META, [record], True)
         return Encoded({f"{frame.key}.npz": file.getvalue()})
 
     def decode(self, info: Info, record: Record, read: Callable[[str], bytes]) -> dict[str, Array]:

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from perilune import _core
 from perilune.base.colors import id_colors
+from perilune.export.writers.files import PNG_LEVEL, npy_parts
 from perilune.export.writers.formats.base import Array
 from perilune.export.writers.formats.channels import IMAGE, Channel
-from perilune.export.writers.files import PNG_LEVEL, npy_parts
 from perilune.export.writers.whole import png_chunks
 
 IDS = ("semantic", "part", "instance", "hazard", "shadow")
@@ -37,7 +37,7 @@ _WORTH = 0.5
 def deflates(array: Array) -> bool:
     """Whether deflate halves an array: of numbers that differ from pixel to pixel in all their
     bits, as depths, it wins a sixth, and takes longer than rendering them. Tried on some bytes."""
-    data = array.tobytes()
+    _, data = npy_parts(array)
     if len(data) <= _PIECES * _PIECE:
         return True
     step = (len(data) - _PIECE) // (_PIECES - 1)
