@@ -42,7 +42,7 @@ enum { SIDE = PL_TILE_SIDE + 2 };
 typedef struct moments {
   float mean[SIDE * SIDE];     /* mean luminance */
   float variance[SIDE * SIDE]; /* variance of the luminance of one sample */
-  float shared[SIDE * SIDE];   /* part of the variance due to filtered irradiance */
+  float filtered[SIDE * SIDE]; /* part of the variance due to filtered irradiance */
   float followed[SIDE * SIDE]; /* the same as if all paths were followed */
   float weight[SIDE * SIDE];   /* 1 in the tile, 0 on the border */
 } moments;
@@ -85,7 +85,7 @@ static float unseen_mesh(const pl_path_context *context, const pl_tile_buffers *
 static float shared_variance(const pl_patch *patch, float n, float unseen) {
   if (patch->lit == 0)
     return 0.0f;
-  const float lit = (float)patch->lit, mean = pl_luminance(patch->shared) / lit;
+  const float lit = (float)patch->lit, mean = pl_luminance(patch->filtered) / lit;
   const float carried = unseen * pl_luminance(patch->lit_weight) / lit;
   float variance = carried * carried / (FILTERED_PIXELS * lit);
   if (patch->lit > 1)
@@ -104,18 +104,18 @@ static void measure_pixel(const pl_path_context *context, const pl_tile_buffers 
     const pl_patch *patch = &patches->patch[i];
     const float seen = (float)patch->seen, own = pl_luminance(patch->own);
     const float each = patch->lit > 0 ? (float)patch->wide / (seen * (float)patch->lit) : 0.0f;
-    const float lit = each * pl_luminance(patch->shared);
+    const float lit = each * pl_luminance(patch->filtered);
     sum += own + seen * lit;
     square += patch->own_square + lit * (2.0f * own + seen * lit);
-    const float shared =
+    const float filtered =
         n * shared_variance(patch, n, unseen_radiance(context, patch->spot.surface_id));
-    out->shared[k] += shared;
+    out->filtered[k] += filtered;
     if (patch->wide > 0)
-      out->followed[k] += shared * (float)patch->lit / (float)patch->wide;
+      out->followed[k] += filtered * (float)patch->lit / (float)patch->wide;
   }
   out->mean[k] = sum / n;
   out->weight[k] = 1.0f;
-  out->variance[k] = out->shared[k] + unseen_mesh(context, b, pixel);
+  out->variance[k] = out->filtered[k] + unseen_mesh(context, b, pixel);
   if (n > 1.0f)
     out->variance[k] += pl_maxf(square / n - out->mean[k] * out->mean[k], 0.0f) * n / (n - 1.0f);
 }
@@ -201,11 +201,11 @@ static bool is_finished(const pl_render_settings *settings, const moments *momen
  * as tracing it up to there, the error falls fastest for a followed part f of the paths whose
  * square is the ratio of the two variances. */
 static uint8_t worth_following(const moments *moments, size_t k) {
-  const float shared = sum8(moments->followed, k);
-  const float own = sum8(moments->variance, k) - sum8(moments->shared, k);
-  return shared > 0.5f * own     ? PL_IRRADIANCE_ROW
-         : shared > 0.125f * own ? PL_IRRADIANCE_ROW / 2
-                                 : 0;
+  const float filtered = sum8(moments->followed, k);
+  const float own = sum8(moments->variance, k) - sum8(moments->filtered, k);
+  return filtered > 0.5f * own     ? PL_IRRADIANCE_ROW
+         : filtered > 0.125f * own ? PL_IRRADIANCE_ROW / 2
+                                   : 0;
 }
 
 static bool on_outline(const pl_path_context *context, const pl_tile_buffers *b, uint32_t pixel) {

@@ -229,7 +229,7 @@ void pl_air_pass(const pl_path_context *context, int bounce, size_t i, const pl_
                  pl_tile_buffers *b) {
   const pl_air_view *view = context->settings->air;
   pl_path *path = &b->paths[i];
-  pl_vec3f *sink = pl_path_sink(b, path->pixel, path->shared), through = path->throughput;
+  pl_vec3f *sink = pl_path_sink(b, path->pixel, path->filtered), through = path->throughput;
   pl_vec3f way[PL_MEDIUM_CROSSINGS];
   const bool known = bounce == 0 && is_known(b->air, path->pixel, &b->hits[i]);
   for (size_t k = 0; k < list->count; k++)

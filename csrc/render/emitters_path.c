@@ -63,6 +63,6 @@ size_t pl_emitters_shade(const pl_path_context *context, const pl_path *path,
   ray.direction = pl_vec3_unit(pl_vec3f_to_double(drawn.direction));
   ray.t_max = drawn.distance_m;
   b->shadow_rays[queued] = ray;
-  b->pending[queued] = (pl_pending){light, path->pixel, path->shared};
+  b->pending[queued] = (pl_pending){light, path->pixel, path->filtered};
   return queued + 1;
 }

@@ -25,7 +25,7 @@ static const float QUIET = 1.0f;
 /* Sums over the paths of one surface in the cells at one distance: a square ring around the
  * filter's cell. */
 typedef struct ring {
-  pl_vec3f shared, weight;
+  pl_vec3f filtered, weight;
   float square;                                /* sum of squared luminances */
   float count;                                 /* number of paths */
   float pixels, each, together, weight_square; /* as in pl_irradiance_cell */
@@ -60,18 +60,18 @@ typedef struct answer {
 } answer;
 
 /* The tile at a place; NULL if there is none, or it is not lit. */
-static const pl_irradiance_tile *tile_beside(const pl_irradiance_record *share, int row,
+static const pl_irradiance_tile *tile_beside(const pl_irradiance_record *irradiance, int row,
                                              int column) {
-  if (column < 0 || column >= share->columns || row < 0 || row >= share->rows)
+  if (column < 0 || column >= irradiance->columns || row < 0 || row >= irradiance->rows)
     return NULL;
-  const pl_irradiance_tile *tile = pl_irradiance_tile_at(share, row, column);
+  const pl_irradiance_tile *tile = pl_irradiance_tile_at(irradiance, row, column);
   return tile->lit ? tile : NULL;
 }
 
-static void look_around(const pl_irradiance_record *share, int row, int column, window *out) {
+static void look_around(const pl_irradiance_record *irradiance, int row, int column, window *out) {
   const pl_irradiance_tile *tiles[9];
   for (int i = 0; i < 9; i++)
-    tiles[i] = tile_beside(share, row + i / 3 - 1, column + i % 3 - 1);
+    tiles[i] = tile_beside(irradiance, row + i / 3 - 1, column + i % 3 - 1);
   for (int k = 0; k < SIDE * SIDE; k++) {
     const int x = k % SIDE - REACH + PL_CELL_SIDE, y = k / SIDE - REACH + PL_CELL_SIDE;
     const pl_irradiance_tile *tile = tiles[y / PL_CELL_SIDE * 3 + x / PL_CELL_SIDE];
@@ -91,7 +91,7 @@ static void add_cell(const filter *filter, int k, ring *ring) {
     const pl_irradiance_cell *cell = &cells[i];
     if (!pl_spot_fits(filter->like, &cell->spot, filter->depth_m))
       continue;
-    ring->shared = pl_vec3f_add(ring->shared, cell->shared);
+    ring->filtered = pl_vec3f_add(ring->filtered, cell->filtered);
     ring->weight = pl_vec3f_add(ring->weight, cell->weight);
     ring->square += cell->square;
     ring->count += cell->count;
@@ -117,9 +117,9 @@ static void add_ring(filter *filter, int k, int r) {
 
 static float ratio(float a, float b) { return b > 0.0f ? a / b : 0.0f; }
 
-static pl_vec3f light_of(pl_vec3f shared, pl_vec3f weight) {
-  return pl_vec3f_make(ratio(shared.x, weight.x), ratio(shared.y, weight.y),
-                       ratio(shared.z, weight.z));
+static pl_vec3f light_of(pl_vec3f filtered, pl_vec3f weight) {
+  return pl_vec3f_make(ratio(filtered.x, weight.x), ratio(filtered.y, weight.y),
+                       ratio(filtered.z, weight.z));
 }
 
 /* The largest standard error with which `level` counts as converged: it shifts the displayed value
@@ -160,7 +160,7 @@ static bool choose_span(const filter *filter, const pl_render_settings *settings
   enum { SPANS = sizeof spans / sizeof *spans };
   float light = 0.0f, square = 0.0f, count = 0.0f;
   for (int r = 0; r <= most; r++) {
-    light += pl_luminance(filter->rings[r].shared);
+    light += pl_luminance(filter->rings[r].filtered);
     square += filter->rings[r].square;
     count += filter->rings[r].count;
   }
@@ -185,7 +185,7 @@ static ring sum_rings(const filter *filter, int most) {
   ring sum = filter->rings[0];
   for (int r = 1; r <= most; r++) {
     const ring *ring = &filter->rings[r];
-    sum.shared = pl_vec3f_add(sum.shared, ring->shared);
+    sum.filtered = pl_vec3f_add(sum.filtered, ring->filtered);
     sum.weight = pl_vec3f_add(sum.weight, ring->weight);
     sum.count += ring->count;
     sum.pixels += ring->pixels;
@@ -213,7 +213,7 @@ static float noise_of(const ring *sum, float assumed, float scattered) {
  * cell, which is lower in dark corners. */
 static scatter scatter_of(const filter *filter, int most) {
   const ring sum = sum_rings(filter, most);
-  const float light = pl_luminance(sum.shared), weight = pl_luminance(sum.weight);
+  const float light = pl_luminance(sum.filtered), weight = pl_luminance(sum.weight);
   scatter out = {0.0f, 0.0f};
   const float groups = weight - ratio(sum.weight_square, weight);
   if (!(groups > 0.0f) || !(sum.count > 1.0f))
@@ -241,7 +241,7 @@ static answer ask(filter *filter, const pl_render_settings *settings,
   }
   pl_vec3f all = {0.0f, 0.0f, 0.0f}, weight = all;
   for (int r = 0; (float)r < span; r++) {
-    all = pl_vec3f_madd(all, part_of(r, span), filter->rings[r].shared);
+    all = pl_vec3f_madd(all, part_of(r, span), filter->rings[r].filtered);
     weight = pl_vec3f_madd(weight, part_of(r, span), filter->rings[r].weight);
   }
   out.light = light_of(all, weight);
@@ -252,7 +252,7 @@ static answer ask(filter *filter, const pl_render_settings *settings,
  * the variance that is true: with more samples the noise falls, and in the limit the filter has no
  * weight (James and Stein 1961; Efron and Morris 1973). */
 static pl_vec3f blend(const answer *answer, const pl_irradiance_patch *patch) {
-  const pl_vec3f own = light_of(patch->shared, patch->lit_weight);
+  const pl_vec3f own = light_of(patch->filtered, patch->lit_weight);
   if ((float)patch->lit >= answer->enough)
     return own;
   const float truth = answer->scatter.truth * pl_luminance(patch->lit_weight);
@@ -281,12 +281,12 @@ static void light_cell(const pl_irradiance_tile *tile, int i, const window *wind
   }
 }
 
-void pl_irradiance_filter_light(const pl_irradiance_record *share, int row, int column,
+void pl_irradiance_filter_light(const pl_irradiance_record *irradiance, int row, int column,
                                 const pl_render_settings *settings, double pixel_rad,
                                 pl_vec3f radiance[PL_TILE_PIXELS]) {
-  const pl_irradiance_tile *tile = pl_irradiance_tile_at(share, row, column);
+  const pl_irradiance_tile *tile = pl_irradiance_tile_at(irradiance, row, column);
   window window;
-  look_around(share, row, column, &window);
+  look_around(irradiance, row, column, &window);
   memcpy(radiance, tile->rest, sizeof tile->rest);
   for (int i = 0; i < PL_CELLS; i++)
     if (tile->patch_start[i] < tile->patch_start[i + 1])

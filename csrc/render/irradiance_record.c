@@ -69,20 +69,20 @@ bool pl_path_follow(const pl_path_context *context, const pl_vertex *vertex, pl_
                     pl_tile_buffers *b) {
   const uint32_t slot = b->slot[next->pixel];
   const pl_vec3f direction = pl_vec3_to_float(next->beam.direction);
-  if (next->shared || slot == PL_PATCH_NONE || next->lobe_pdf > WIDE_PDF_MAX ||
+  if (next->filtered || slot == PL_PATCH_NONE || next->lobe_pdf > WIDE_PDF_MAX ||
       !(pl_vec3f_dot(direction, vertex->surface.ng) > 0.0f))
     return true;
   /* As if the lobe had drawn it: the colour does not depend on how often bodies are sampled. */
   const pl_vec3f carried = pl_vec3f_scale(next->throughput, next->pdf / next->lobe_pdf);
   pl_patch *patch = &b->patches[next->pixel].patch[slot];
-  next->shared = count_wide(context, b, next->pixel, carried, patch);
-  return next->shared;
+  next->filtered = count_wide(context, b, next->pixel, carried, patch);
+  return next->filtered;
 }
 
 void pl_path_lose(const pl_path_context *context, const pl_vertex *vertex, const pl_path *path,
                   pl_tile_buffers *b) {
   const uint32_t slot = b->slot[path->pixel];
-  if (path->shared || slot == PL_PATCH_NONE)
+  if (path->filtered || slot == PL_PATCH_NONE)
     return;
   pl_patch *patch = &b->patches[path->pixel].patch[slot];
   const pl_vec3f carried = patch->wide > 0
@@ -110,7 +110,7 @@ pl_continuation pl_path_continuation(const pl_path_context *context, const pl_su
                            surface->color.z + gloss};
   const bool followed = count_wide(context, b, path->pixel, pl_vec3f_mul(path->throughput, albedo),
                                    &b->patches[path->pixel].patch[slot]);
-  return followed ? PL_CONTINUATION_SHARED : PL_CONTINUATION_NONE;
+  return followed ? PL_CONTINUATION_FILTERED : PL_CONTINUATION_NONE;
 }
 
 /* As many records as a tile may have; cells are no more than patches. */
@@ -118,74 +118,75 @@ enum { BLOCK = PL_TILE_PIXELS * PL_PATCHES };
 /* Tiles in a band: at least this many, and for each thread. */
 enum { BAND_TILES = 64, BAND_SHARE = 32 };
 
-pl_status pl_irradiance_init(pl_irradiance_record *share) {
-  *share = (pl_irradiance_record){.held = 1};
+pl_status pl_irradiance_init(pl_irradiance_record *irradiance) {
+  *irradiance = (pl_irradiance_record){.held = 1};
   for (int k = 0; k < 2; k++)
-    share->half[k] = (pl_irradiance_half){
+    irradiance->half[k] = (pl_irradiance_half){
         .patches = {.bytes = sizeof(pl_irradiance_patch), .length = BLOCK},
         .cells = {.bytes = sizeof(pl_irradiance_cell), .length = BLOCK},
     };
-  if (pthread_mutex_init(&share->lock, NULL) != 0)
+  if (pthread_mutex_init(&irradiance->lock, NULL) != 0)
     return pl_fail(PL_E_MEMORY, "cannot make a lock");
   return PL_OK;
 }
 
-void pl_irradiance_clear(pl_irradiance_record *share) {
+void pl_irradiance_clear(pl_irradiance_record *irradiance) {
   for (int k = 0; k < 2; k++) {
-    pl_record_pool_clear(&share->half[k].patches);
-    pl_record_pool_clear(&share->half[k].cells);
+    pl_record_pool_clear(&irradiance->half[k].patches);
+    pl_record_pool_clear(&irradiance->half[k].cells);
   }
-  pl_free(share->tiles);
-  pthread_mutex_destroy(&share->lock);
+  pl_free(irradiance->tiles);
+  pthread_mutex_destroy(&irradiance->lock);
 }
 
-pl_status pl_irradiance_start(pl_irradiance_record *share, int columns, int rows, int threads) {
+pl_status pl_irradiance_start(pl_irradiance_record *irradiance, int columns, int rows,
+                              int threads) {
   const int least = BAND_SHARE * threads > BAND_TILES ? BAND_SHARE * threads : BAND_TILES;
   const int wanted = (least + columns - 1) / columns;
-  share->band = wanted < 2 ? 2 : wanted < rows ? wanted : rows;
-  share->held = 2 * share->band < rows ? 2 * share->band : rows;
-  share->columns = columns;
-  share->rows = rows;
-  const size_t count = (size_t)columns * (size_t)share->held;
-  if (count > share->room) {
-    pl_irradiance_tile *grown = pl_realloc(share->tiles, count, sizeof *grown);
+  irradiance->band = wanted < 2 ? 2 : wanted < rows ? wanted : rows;
+  irradiance->held = 2 * irradiance->band < rows ? 2 * irradiance->band : rows;
+  irradiance->columns = columns;
+  irradiance->rows = rows;
+  const size_t count = (size_t)columns * (size_t)irradiance->held;
+  if (count > irradiance->room) {
+    pl_irradiance_tile *grown = pl_realloc(irradiance->tiles, count, sizeof *grown);
     if (grown == NULL)
       return pl_fail(PL_E_MEMORY, "out of memory for the light of %zu tiles", count);
-    share->tiles = grown;
-    share->room = count;
+    irradiance->tiles = grown;
+    irradiance->room = count;
   }
   return PL_OK;
 }
 
-void pl_irradiance_turn(pl_irradiance_record *share, int row) {
-  share->current = row / share->band % 2;
-  pl_record_pool_reset(&share->half[share->current].patches);
-  pl_record_pool_reset(&share->half[share->current].cells);
-  for (int y = row; y < row + share->band && y < share->rows; y++)
-    for (int x = 0; x < share->columns; x++)
-      pl_irradiance_tile_at(share, y, x)->lit = false;
+void pl_irradiance_turn(pl_irradiance_record *irradiance, int row) {
+  irradiance->current = row / irradiance->band % 2;
+  pl_record_pool_reset(&irradiance->half[irradiance->current].patches);
+  pl_record_pool_reset(&irradiance->half[irradiance->current].cells);
+  for (int y = row; y < row + irradiance->band && y < irradiance->rows; y++)
+    for (int x = 0; x < irradiance->columns; x++)
+      pl_irradiance_tile_at(irradiance, y, x)->lit = false;
 }
 
-pl_status pl_irradiance_reserve(pl_irradiance_record *share) {
-  PL_TRY(pl_record_pool_reserve(&share->half[share->current].patches));
-  return pl_record_pool_reserve(&share->half[share->current].cells);
+pl_status pl_irradiance_reserve(pl_irradiance_record *irradiance) {
+  PL_TRY(pl_record_pool_reserve(&irradiance->half[irradiance->current].patches));
+  return pl_record_pool_reserve(&irradiance->half[irradiance->current].cells);
 }
 
-static pl_status make_room(pl_irradiance_record *share, size_t patches, size_t cells,
+static pl_status make_room(pl_irradiance_record *irradiance, size_t patches, size_t cells,
                            pl_irradiance_tile *tile) {
-  pl_irradiance_half *half = &share->half[share->current];
+  pl_irradiance_half *half = &irradiance->half[irradiance->current];
   void *room[2] = {NULL, NULL};
-  pthread_mutex_lock(&share->lock);
+  pthread_mutex_lock(&irradiance->lock);
   pl_status status = pl_record_pool_take(&half->patches, patches, &room[0]);
   if (status == PL_OK)
     status = pl_record_pool_take(&half->cells, cells, &room[1]);
-  pthread_mutex_unlock(&share->lock);
+  pthread_mutex_unlock(&irradiance->lock);
   tile->patches = room[0];
   tile->cells = room[1];
   return status;
 }
 
-/* Radiance of a pixel without the shared light. */
+/* Radiance of a pixel without the filtered light. */
 static pl_vec3f own_light(const pl_tile_buffers *b, uint32_t pixel) {
   pl_vec3f sum = b->radiance[pixel];
   for (uint32_t i = 0; i < pl_path_patch_count(b, pixel); i++)
@@ -196,7 +197,7 @@ static pl_vec3f own_light(const pl_tile_buffers *b, uint32_t pixel) {
 /* Adds the sums that separate the noise of paths from true differences between pixels, see
  * irradiance_filter.c. */
 static void add_scatter(const pl_patch *patch, pl_irradiance_cell *cell) {
-  const float weight = pl_luminance(patch->lit_weight), light = pl_luminance(patch->shared);
+  const float weight = pl_luminance(patch->lit_weight), light = pl_luminance(patch->filtered);
   if (!(weight > 0.0f))
     return;
   cell->pixels += 1.0f;
@@ -226,7 +227,7 @@ static uint32_t meet(meeting *met, const pl_patch *patch, float spread) {
 static void merge(const pl_patch *patch, bool first, pl_irradiance_cell *cell) {
   if (first)
     *cell = (pl_irradiance_cell){.spot = patch->spot};
-  cell->shared = pl_vec3f_add(cell->shared, patch->shared);
+  cell->filtered = pl_vec3f_add(cell->filtered, patch->filtered);
   cell->weight = pl_vec3f_add(cell->weight, patch->lit_weight);
   cell->square += patch->lit_square;
   cell->count += (float)patch->lit;
@@ -258,7 +259,7 @@ static void keep_pixel(keeping *k, uint32_t pixel, meeting *met) {
                               .part = each * (float)patch->wide,
                               .level = pl_luminance(patch->own) / (float)patch->seen,
                               .weight = pl_vec3f_scale(patch->weight, each),
-                              .shared = patch->shared,
+                              .filtered = patch->filtered,
                               .lit_weight = patch->lit_weight};
   }
 }
@@ -286,7 +287,7 @@ static void visit_cell(keeping *k, pl_tile tile, int cell,
   k->cells += met.count;
 }
 
-pl_status pl_irradiance_keep(pl_irradiance_record *share, int row, int column,
+pl_status pl_irradiance_keep(pl_irradiance_record *irradiance, int row, int column,
                              const pl_path_context *context, pl_tile_buffers *b) {
   const pl_tile tile = context->tile;
   keeping counted = {.b = b, .spread = (float)context->pixel_rad};
@@ -297,8 +298,8 @@ pl_status pl_irradiance_keep(pl_irradiance_record *share, int row, int column,
       b->radiance[y * PL_TILE_SIDE + x] = own_light(b, (uint32_t)(y * PL_TILE_SIDE + x));
   if (counted.patches == 0)
     return PL_OK;
-  pl_irradiance_tile *kept = pl_irradiance_tile_at(share, row, column);
-  PL_TRY(make_room(share, counted.patches, counted.cells, kept));
+  pl_irradiance_tile *kept = pl_irradiance_tile_at(irradiance, row, column);
+  PL_TRY(make_room(irradiance, counted.patches, counted.cells, kept));
   kept->tile = tile;
   keeping k = {.b = b, .tile = kept, .spread = counted.spread};
   for (int i = 0; i < PL_CELLS; i++) {

@@ -22,10 +22,10 @@ enum { PL_CELL = 2, PL_CELL_SIDE = PL_TILE_SIDE / PL_CELL, PL_CELLS = PL_CELL_SI
 /* One surface in one cell, as the filter reads it. */
 typedef struct pl_irradiance_cell {
   pl_spot spot;
-  pl_vec3f shared, weight; /* sums over the followed paths of its patches */
-  float square;            /* sum of their squared luminances */
-  float count;             /* number of these paths */
-  float pixels;            /* number of pixels that have such paths */
+  pl_vec3f filtered, weight; /* sums over the followed paths of its patches */
+  float square;              /* sum of their squared luminances */
+  float count;               /* number of these paths */
+  float pixels;              /* number of pixels that have such paths */
   /* Sums for the analysis of variance, luminances: the squared radiance over the throughput, of
    * each path and of all paths of a pixel together; and the squared throughput of all paths of a
    * pixel. */
@@ -34,13 +34,13 @@ typedef struct pl_irradiance_cell {
 
 /* Record of a pixel's patch. */
 typedef struct pl_irradiance_patch {
-  uint16_t pixel;              /* index in the tile */
-  uint16_t cell;               /* index of the pl_irradiance_cell within its cell */
-  uint32_t lit;                /* number of followed paths */
-  float part;                  /* fraction of the pixel's samples that continued into a wide lobe */
-  float level;                 /* luminance without the shared light */
-  pl_vec3f weight;             /* weight of the shared light in the pixel's mean */
-  pl_vec3f shared, lit_weight; /* as in pl_patch */
+  uint16_t pixel;  /* index in the tile */
+  uint16_t cell;   /* index of the pl_irradiance_cell within its cell */
+  uint32_t lit;    /* number of followed paths */
+  float part;      /* fraction of the pixel's samples that continued into a wide lobe */
+  float level;     /* luminance without the filtered light */
+  pl_vec3f weight; /* weight of the filtered light in the pixel's mean */
+  pl_vec3f filtered, lit_weight; /* as in pl_patch */
 } pl_irradiance_patch;
 
 /* Record of a tile, kept until those around it are sampled. */
@@ -50,7 +50,7 @@ typedef struct pl_irradiance_tile {
   pl_irradiance_cell *cells;    /* likewise */
   pl_tile tile;
   uint32_t patch_start[PL_CELLS + 1], cell_start[PL_CELLS + 1];
-  pl_vec3f rest[PL_TILE_PIXELS]; /* radiance without the shared light, W m-2 sr-1 */
+  pl_vec3f rest[PL_TILE_PIXELS]; /* radiance without the filtered light, W m-2 sr-1 */
 } pl_irradiance_tile;
 
 /* Room for the records of some rows of tiles. */
@@ -72,26 +72,26 @@ typedef struct pl_irradiance_record {
   size_t room;                /* capacity of `tiles` */
 } pl_irradiance_record;
 
-static inline pl_irradiance_tile *pl_irradiance_tile_at(const pl_irradiance_record *share, int row,
-                                                        int column) {
-  return &share->tiles[row % share->held * share->columns + column];
+static inline pl_irradiance_tile *pl_irradiance_tile_at(const pl_irradiance_record *irradiance,
+                                                        int row, int column) {
+  return &irradiance->tiles[row % irradiance->held * irradiance->columns + column];
 }
 
-pl_status pl_irradiance_init(pl_irradiance_record *share);
+pl_status pl_irradiance_init(pl_irradiance_record *irradiance);
 /* Drops all tiles and sets the size of an image, or of some of its rows of tiles, and of bands:
  * they are long enough for the threads to share. */
-pl_status pl_irradiance_start(pl_irradiance_record *share, int columns, int rows, int threads);
+pl_status pl_irradiance_start(pl_irradiance_record *irradiance, int columns, int rows, int threads);
 /* Begins the band from a row on, and drops all tiles but those of the band before. */
-void pl_irradiance_turn(pl_irradiance_record *share, int row);
-void pl_irradiance_clear(pl_irradiance_record *share);
+void pl_irradiance_turn(pl_irradiance_record *irradiance, int row);
+void pl_irradiance_clear(pl_irradiance_record *irradiance);
 
-/* Turns the sums of a sampled tile into means. If light is shared in the tile, keeps the data for
+/* Turns the sums of a sampled tile into means. If light is filtered in the tile, keeps the data for
  * the filter, and leaves that light out of the radiance. Each tile is handled by one worker. */
-pl_status pl_irradiance_keep(pl_irradiance_record *share, int row, int column,
+pl_status pl_irradiance_keep(pl_irradiance_record *irradiance, int row, int column,
                              const pl_path_context *context, pl_tile_buffers *buffers);
 
 /* To be called when all tiles of a band are kept: allocates enough room for the same tiles in any
  * other order. Threads finish tiles in an order that varies from run to run. */
-pl_status pl_irradiance_reserve(pl_irradiance_record *share);
+pl_status pl_irradiance_reserve(pl_irradiance_record *irradiance);
 
 #endif

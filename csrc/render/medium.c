@@ -228,6 +228,6 @@ void pl_media_apply(const pl_path_context *context, int bounce, size_t count, pl
     if (settings->air != NULL)
       pl_air_pass(context, bounce, i, &list, b);
     else
-      pass(path, &list, pl_path_sink(b, path->pixel, path->shared));
+      pass(path, &list, pl_path_sink(b, path->pixel, path->filtered));
   }
 }

@@ -26,10 +26,10 @@ typedef struct pl_patch {
   uint32_t seen;                /* number of samples that hit it */
   uint32_t wide;                /* of these, continued into a wide lobe */
   uint32_t lit;                 /* of these, followed */
-  pl_vec3f own;                 /* sum over `seen` of the radiance without shared light */
-  pl_vec3f shared;              /* sum over `lit` of the radiance of shared light */
+  pl_vec3f own;                 /* sum over `seen` of the radiance without filtered light */
+  pl_vec3f filtered;            /* sum over `lit` of the radiance of filtered light */
   pl_vec3f weight, lit_weight;  /* sums of the paths' throughput over `wide` and over `lit` */
-  float own_square, lit_square; /* sums of squared luminances, of own and of shared */
+  float own_square, lit_square; /* sums of squared luminances, of own and of filtered */
 } pl_patch;
 
 typedef struct pl_pixel_patches {

@@ -82,7 +82,7 @@ static void shade_miss(const pl_path_context *context, int bounce, const pl_path
   const pl_vec3f ratio = disc_ratio(context, &sun, direction);
   const float weight = pl_power_heuristic(path->pdf, ratio.y * pl_sun_pdf(&sun));
   const pl_vec3f light = pl_vec3f_scale(path->throughput, weight * sun.radiance);
-  add(pl_path_sink(b, path->pixel, path->shared), pl_vec3f_mul(light, ratio));
+  add(pl_path_sink(b, path->pixel, path->filtered), pl_vec3f_mul(light, ratio));
 }
 
 /* Whether shadow rays are needed from a vertex. */
@@ -135,7 +135,7 @@ static size_t shade_sun(const pl_path_context *context, const pl_path *path,
   /* Lobes much wider than the sun hit it so rarely that the weight of this draw is 1. */
   const bool rivals = onward != NULL && draw.pdf > 0.0f &&
                       (RIVAL_MIN * draw.pdf < pl_surface_pdf_most(s, wo) ||
-                       (onward->share > 0.0f && onward->mirrored > 0.0f));
+                       (onward->fraction > 0.0f && onward->mirrored > 0.0f));
   const float weight =
       rivals ? pl_power_heuristic(draw.pdf, pl_planetshine_pdf(onward, s, wo, wi, draw.toward))
              : 1.0f;
@@ -151,11 +151,11 @@ static size_t shade_sun(const pl_path_context *context, const pl_path *path,
                                                     vertex->position, &sun,
                                                     pl_beam_width(&path->beam, vertex->t)));
   if (!shadows_at(context, vertex)) {
-    add(pl_path_sink(b, path->pixel, path->shared), light);
+    add(pl_path_sink(b, path->pixel, path->filtered), light);
     return queued;
   }
   b->shadow_rays[queued] = pl_sun_ray(vertex, context->shot, &sun, draw.toward);
-  b->pending[queued] = (pl_pending){light, path->pixel, path->shared};
+  b->pending[queued] = (pl_pending){light, path->pixel, path->filtered};
   return queued + 1;
 }
 
@@ -204,7 +204,7 @@ static bool extend(const pl_path_context *context, const pl_path *path, const pl
       .pdf = drawn.pdf,
       .lobe_pdf = drawn.lobe_pdf,
       .pixel = path->pixel,
-      .shared = path->shared,
+      .filtered = path->filtered,
   };
   return roulette(next, bounce, choice[1]);
 }
@@ -277,13 +277,13 @@ static pl_vec3f sky_at(const pl_path_context *context, const pl_path *path, cons
 static void see_emission(const pl_path_context *context, const pl_path *path, const pl_ray *ray,
                          const pl_vertex *vertex, pl_tile_buffers *b) {
   const float weight = pl_emitters_met(context, path, ray, vertex);
-  add(pl_path_sink(b, path->pixel, path->shared),
+  add(pl_path_sink(b, path->pixel, path->filtered),
       pl_vec3f_scale(pl_vec3f_mul(path->throughput, vertex->surface.emission), weight));
 }
 
 /* Decides whether and how the path continues, and which bodies and mirrors are sampled. The light
  * of mirrors has edges, which the irradiance filter would blur, and has little noise. It is
- * therefore not shared: `own`. */
+ * therefore not filtered: `own`. */
 static bool look_on(const pl_path_context *context, const pl_path *path, const pl_vertex *vertex,
                     int bounce, pl_vec3f wo, pl_planetshine_ray *planetshine, pl_continuation *way,
                     bool *own, pl_tile_buffers *b) {
@@ -330,12 +330,12 @@ static void shade_hit(const pl_path_context *context, int bounce, size_t i, pl_v
   const pl_planetshine_ray *way = onward ? &planetshine : NULL;
   *queued = shade_sun(context, &path, vertex, u.sun, wo, way, *queued, b);
   if (context->settings->air != NULL)
-    add(pl_path_sink(b, path.pixel, path.shared),
+    add(pl_path_sink(b, path.pixel, path.filtered),
         pl_vec3f_mul(path.throughput, sky_at(context, &path, vertex, bounce, wo)));
   if (context->settings->emitters != NULL)
     *queued = pl_emitters_shade(context, &path, vertex, bounce, wo, way, *queued, b);
   /* only from here on: the light added above is the pixel's own */
-  path.shared = path.shared || first == PL_CONTINUATION_SHARED;
+  path.filtered = path.filtered || first == PL_CONTINUATION_FILTERED;
   if (onward && extend(context, &path, vertex, bounce, u.direction, u.choice, wo, way, *kept, b) &&
       (own || pl_path_follow(context, vertex, &b->paths[*kept], b)))
     ++*kept;
@@ -469,15 +469,15 @@ static size_t shade_wave(const pl_path_context *context, uint32_t index, int bou
   pl_tracer_occluded(context->tracer, b->shadow_rays, b->occluded, queued, bounce == 0);
   for (size_t i = 0; i < queued; i++)
     if (!b->occluded[i])
-      add(pl_path_sink(b, b->pending[i].pixel, b->pending[i].shared), b->pending[i].radiance);
+      add(pl_path_sink(b, b->pending[i].pixel, b->pending[i].filtered), b->pending[i].radiance);
   return kept;
 }
 
 /* Adds the sample of a pixel to the sums of its patch, or to those of the pixel if it has none. */
 static void gather_pixel(uint32_t pixel, pl_tile_buffers *b) {
   const uint32_t slot = b->slot[pixel];
-  const pl_vec3f sample = b->sample[pixel], shared = b->shared[pixel];
-  const float y = pl_luminance(sample), light = pl_luminance(shared);
+  const pl_vec3f sample = b->sample[pixel], filtered = b->filtered[pixel];
+  const float y = pl_luminance(sample), light = pl_luminance(filtered);
   b->counts[pixel]++;
   if (slot == PL_PATCH_NONE) {
     add(&b->radiance[pixel], sample);
@@ -486,7 +486,7 @@ static void gather_pixel(uint32_t pixel, pl_tile_buffers *b) {
   }
   pl_patch *patch = &b->patches[pixel].patch[slot];
   add(&patch->own, sample);
-  add(&patch->shared, shared);
+  add(&patch->filtered, filtered);
   patch->own_square += y * y;
   patch->lit_square += light * light;
 }
@@ -495,11 +495,11 @@ static void gather_sample(pl_tile_buffers *b) {
   for (size_t i = 0; i < b->active_count; i++) {
     const uint32_t pixel = b->active[i];
     gather_pixel(pixel, b);
-    b->sample[pixel] = b->shared[pixel] = (pl_vec3f){0.0f, 0.0f, 0.0f};
+    b->sample[pixel] = b->filtered[pixel] = (pl_vec3f){0.0f, 0.0f, 0.0f};
   }
 }
 
-/* Finds the patch of each path's hit. Light is shared only on surfaces that paths continue from. */
+/* Finds the patch of each path's hit. Light is filtered only where paths continue. */
 static void find_patches(const pl_path_context *context, size_t count, pl_tile_buffers *b) {
   for (size_t i = 0; i < count; i++) {
     const uint32_t pixel = b->paths[i].pixel;

@@ -14,14 +14,14 @@ typedef struct pl_path {
   float pdf;      /* density with which the ray's direction was drawn; infinite for camera rays */
   float lobe_pdf; /* likewise by the surface's lobe alone; not set for camera rays */
   uint32_t pixel; /* index in the tile */
-  bool shared;    /* its light is shared with other pixels, see irradiance_record.c */
+  bool filtered;  /* the irradiance filter takes its light, see irradiance_record.c */
 } pl_path;
 
 /* Light that arrives if a shadow ray is unoccluded. */
 typedef struct pl_pending {
   pl_vec3f radiance;
   uint32_t pixel;
-  bool shared;
+  bool filtered;
 } pl_pending;
 
 /* A path casts at most two shadow rays from a vertex: to the sun and to an emitter. */
@@ -37,10 +37,11 @@ typedef struct pl_tile_buffers {
   float square[PL_TILE_PIXELS]; /* sum of their squared luminances */
   int counts[PL_TILE_PIXELS];   /* number of samples, with or without a patch */
   pl_pixel_patches *patches;    /* of all pixels; NULL until a frame filters irradiance */
-  /* The sample that is being traced: its patch, its radiance, and the radiance of its shared light.
+  /* The sample that is being traced: its patch, its radiance, and the radiance of its filtered
+   * light.
    */
   uint32_t slot[PL_TILE_PIXELS];
-  pl_vec3f sample[PL_TILE_PIXELS], shared[PL_TILE_PIXELS];
+  pl_vec3f sample[PL_TILE_PIXELS], filtered[PL_TILE_PIXELS];
   uint32_t seeds[PL_TILE_PIXELS];
   int sample_counts[PL_TILE_PIXELS]; /* of a slice */
   /* Pixels that need more samples: the first active_meshes of them may see a mesh. */
@@ -83,7 +84,7 @@ typedef struct pl_path_context {
   const pl_coverage *coverage; /* pixels that may show meshes */
   bool centred;                /* sample 0 has the rays of the geometry buffer */
   bool sharp;                  /* all rays of a pixel pass through one point */
-  bool filters_irradiance;     /* pixels share light, see irradiance_record.c */
+  bool filters_irradiance;     /* see irradiance_record.c */
   bool few_samples;            /* and each has few samples, so that draws are spread over pixels */
   bool bodies, sun, air;       /* whether any body, the sun or air may be in this tile's cone */
   bool media;                  /* likewise */
@@ -111,11 +112,11 @@ static inline uint32_t pl_path_patch_count(const pl_tile_buffers *buffers, uint3
 }
 
 /* Where the light of a path is added. */
-static inline pl_vec3f *pl_path_sink(pl_tile_buffers *buffers, uint32_t pixel, bool shared) {
-  return shared ? &buffers->shared[pixel] : &buffers->sample[pixel];
+static inline pl_vec3f *pl_path_sink(pl_tile_buffers *buffers, uint32_t pixel, bool filtered) {
+  return filtered ? &buffers->filtered[pixel] : &buffers->sample[pixel];
 }
 
-/* Whether a path that leaves its first surface is to be followed. Marks it as shared if it
+/* Whether a path that leaves its first surface is to be followed. Marks it as filtered if it
  * continued into a wide lobe. */
 bool pl_path_follow(const pl_path_context *context, const pl_vertex *vertex, pl_path *next,
                     pl_tile_buffers *buffers);
@@ -131,9 +132,9 @@ bool pl_path_repeat(pl_patch *patch);
 
 /* How a path continues from the camera ray's hit. */
 typedef enum pl_continuation {
-  PL_CONTINUATION_DRAWN,  /* decided by the direction drawn, see pl_path_follow */
-  PL_CONTINUATION_SHARED, /* shared whatever its direction, and counted */
-  PL_CONTINUATION_NONE,   /* counted, but not followed */
+  PL_CONTINUATION_DRAWN,    /* decided by the direction drawn, see pl_path_follow */
+  PL_CONTINUATION_FILTERED, /* filtered whatever its direction, and counted */
+  PL_CONTINUATION_NONE,     /* counted, but not followed */
 } pl_continuation;
 
 /* Decides how a path continues from a surface whose lobes are all wide; PL_CONTINUATION_DRAWN if

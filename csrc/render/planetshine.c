@@ -18,9 +18,9 @@ static const float BY_MESHES = 0.02f;
 /* If a surface reflects less than this fraction of what a white diffuse surface would reflect of a
  * body's light, the body is outside its glossy lobe, which then reflects other light. */
 static const float GLOSS = 0.02f;
-/* Minimum fraction of paths that the lobe draws: meshes light each other. Below SHARE_MIN bodies
+/* Minimum fraction of paths that the lobe draws: meshes light each other. Below FRACTION_MIN bodies
  * would get so few paths that sampling them is not worth its cost, and the lobe draws all. */
-static const float LOBE_MIN = 0.4f, LOBE_MIN_ON_BODIES = 0.1f, SHARE_MIN = 0.04f;
+static const float LOBE_MIN = 0.4f, LOBE_MIN_ON_BODIES = 0.1f, FRACTION_MIN = 0.04f;
 /* Bodies whose light is wider than this, sr, are left to the lobe's draws, which find them well
  * enough and are denser where the light contributes more. Measured. */
 static const float WIDE_SR = 1.5f;
@@ -335,10 +335,10 @@ static float share_bodies(const pl_planetshine *p, const pl_vertex *vertex, pl_v
   const float wanted = least ? pl_maxf(part, WANTED_MIN) : part;
   const bool on_body = pl_surface_is_ellipsoid(vertex->surface_id);
   const float most = 1.0f - (on_body ? LOBE_MIN_ON_BODIES : LOBE_MIN);
-  const float share = pl_minf((wanted - sums.met) / (1.0f - sums.met), most);
-  if (!(share > SHARE_MIN))
+  const float fraction = pl_minf((wanted - sums.met) / (1.0f - sums.met), most);
+  if (!(fraction > FRACTION_MIN))
     return all;
-  out->share = share;
+  out->fraction = fraction;
   for (int i = 0; i < out->count; i++)
     out->chance[i] /= sums.light;
   return all;
@@ -352,18 +352,18 @@ static void share_mirrors(const pl_caustics *caustics, const pl_vertex *vertex, 
   if (!(light > 0.0f))
     return;
   const float part = light / (light + known + BY_MESHES * color * caustics->sun / PL_PI_F);
-  const float share = pl_minf(part, MIRRORS_MAX);
-  if (!(share > SHARE_MIN))
+  const float fraction = pl_minf(part, MIRRORS_MAX);
+  if (!(fraction > FRACTION_MIN))
     return;
-  out->share = share + (1.0f - share) * out->share;
-  out->mirrored = share / out->share;
+  out->fraction = fraction + (1.0f - fraction) * out->fraction;
+  out->mirrored = fraction / out->fraction;
 }
 
 void pl_planetshine_at(const pl_planetshine *p, const pl_caustics *caustics,
                        const pl_vertex *vertex, pl_vec3f wo, pl_planetshine_ray *out) {
   const pl_surface *s = &vertex->surface;
   float known = 0.0f;
-  out->share = out->mirrored = 0.0f;
+  out->fraction = out->mirrored = 0.0f;
   out->count = 0;
   if (s->reflectance->layered && s->lobes.inside)
     return;
@@ -374,7 +374,7 @@ void pl_planetshine_at(const pl_planetshine *p, const pl_caustics *caustics,
 }
 
 static float density(const pl_planetshine_ray *planetshine, float lobe, float bodies) {
-  return (1.0f - planetshine->share) * lobe + planetshine->share * bodies;
+  return (1.0f - planetshine->fraction) * lobe + planetshine->fraction * bodies;
 }
 
 /* Density of the draws towards bodies and mirrors; `drawn`: index of a body whose own density
@@ -395,7 +395,7 @@ static float bodies_pdf(const pl_planetshine_ray *planetshine, pl_vec3f directio
 float pl_planetshine_pdf(const pl_planetshine_ray *planetshine, const pl_surface *s, pl_vec3f wo,
                          pl_vec3f wi, pl_vec3f direction) {
   const float lobe = s->reflectance->pdf(s, wo, wi);
-  if (!(planetshine->share > 0.0f))
+  if (!(planetshine->fraction > 0.0f))
     return lobe;
   return density(planetshine, lobe, bodies_pdf(planetshine, direction, -1, 0.0f));
 }
@@ -444,14 +444,14 @@ static bool sample_set(const pl_planetshine_ray *planetshine, const pl_surface *
 
 bool pl_planetshine_sample(const pl_planetshine_ray *planetshine, const pl_surface *s, pl_vec3f wo,
                            const float u[2], float choice, pl_planetshine_draw *out) {
-  const float share = planetshine->share;
+  const float fraction = planetshine->fraction;
   float v[2] = {u[0], u[1]};
-  out->set = share > 0.0f && pl_sample_choose(share, &v[0]);
+  out->set = fraction > 0.0f && pl_sample_choose(fraction, &v[0]);
   if (out->set)
     return sample_set(planetshine, s, wo, v, choice, out);
   if (!sample_lobe(s, wo, v, out))
     return false;
-  if (share > 0.0f) {
+  if (fraction > 0.0f) {
     out->pdf =
         density(planetshine, out->lobe_pdf, bodies_pdf(planetshine, out->direction, -1, 0.0f));
     out->weight = pl_vec3f_scale(out->weight, out->lobe_pdf / out->pdf);

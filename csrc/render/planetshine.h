@@ -60,7 +60,7 @@ bool pl_planetshine_is_light(pl_surface_id id, pl_surface_id from);
 
 /* The bodies in the sky of one shaded vertex, and the mirrors that reflect the sun onto it. */
 typedef struct pl_planetshine_ray {
-  float share; /* fraction of draws towards bodies and mirrors, 0..1; the rest is not valid at 0 */
+  float fraction; /* of draws towards bodies and mirrors, 0..1; the rest is not valid at 0 */
   float mirrored; /* of these, fraction towards mirrors, 0..1; `mirrors` is not valid at 0 */
   pl_caustic_draws mirrors;
   int count;

@@ -269,7 +269,7 @@ static bool prefilter_pixel(const pl_path_context *context, uint32_t pixel, pl_t
   if (!is_even(&vertex.surface, &sun, pl_vec3f_dot(sun.direction, vertex.ng)))
     return false;
   b->lit[pixel] = is_lit_by_others(context, &vertex, toward);
-  /* light on a part of a body is not shared */
+  /* light on a part of a body is not filtered */
   if (b->lit[pixel] && (body->senders != NULL || !context->filters_irradiance))
     return false;
   if (b->lit[pixel] && context->media) /* the indirect light would have to be attenuated by them */
@@ -440,7 +440,7 @@ static void reset_pixel(uint32_t pixel, pl_tile_buffers *b) {
   b->single[pixel] = false;
   b->followed[pixel] = 0;
   b->square[pixel] = 0.0f;
-  b->sample[pixel] = b->shared[pixel] = (pl_vec3f){0.0f, 0.0f, 0.0f};
+  b->sample[pixel] = b->filtered[pixel] = (pl_vec3f){0.0f, 0.0f, 0.0f};
   if (b->patches != NULL)
     b->patches[pixel].count = 0;
 }

@@ -25,8 +25,8 @@ static pl_status add_block(pl_record_pool *pool) {
   }
   void *block = pl_realloc(NULL, pool->length, pool->bytes);
   if (block == NULL)
-    return pl_fail(PL_E_MEMORY, "out of memory: %zu x %zu bytes for shared light", pool->length,
-                   pool->bytes);
+    return pl_fail(PL_E_MEMORY, "out of memory: %zu x %zu bytes for the irradiance filter",
+                   pool->length, pool->bytes);
   pool->blocks[pool->count++] = block;
   return PL_OK;
 }

@@ -6,7 +6,7 @@
 
 /* For every body in the frame with Hapke's law: measures the errors of the cheaper laws at visible
  * points, and so for the angles in view, shaded with `detail`, and stores them in the view, whose
- * things are copied to `arena` for that. */
+ * entities are copied to `arena` for that. */
 pl_status pl_reflectance_lod_fit(const pl_snapshot *shot, pl_detail detail, pl_arena *arena,
                                  pl_view *view);
 

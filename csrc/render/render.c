@@ -25,7 +25,7 @@ struct pl_render_scratch {
   pl_sun_view *suns;        /* owned, one per object */
   size_t sun_count;         /* capacity of suns */
   pl_coverage coverage;
-  pl_irradiance_record share;
+  pl_irradiance_record irradiance;
 };
 
 pl_status pl_render_scratch_create(int threads, pl_render_scratch **out) {
@@ -33,7 +33,7 @@ pl_status pl_render_scratch_create(int threads, pl_render_scratch **out) {
   if (threads < 1 || threads > 256)
     return pl_fail(PL_E_RANGE, "threads must be in 1..256, not %d", threads);
   PL_TRY(pl_alloc_or_fail(1, sizeof(pl_render_scratch), "scratch memory", &scratch));
-  const pl_status status =
+  pl_status status =
       pl_alloc_or_fail((size_t)threads, sizeof(pl_tile_buffers), "tile buffers", &buffers);
   if (status != PL_OK) {
     pl_free(scratch);
@@ -41,11 +41,11 @@ pl_status pl_render_scratch_create(int threads, pl_render_scratch **out) {
   }
   pl_render_scratch *made = scratch;
   *made = (pl_render_scratch){.threads = threads, .buffers = buffers};
-  const pl_status shared = pl_irradiance_init(&made->share);
-  if (shared != PL_OK) {
+  status = pl_irradiance_init(&made->irradiance);
+  if (status != PL_OK) {
     pl_free(buffers);
     pl_free(scratch);
-    return shared;
+    return status;
   }
   *out = made;
   return PL_OK;
@@ -61,7 +61,7 @@ void pl_render_scratch_destroy(pl_render_scratch *scratch) {
   pl_free(scratch->buffers);
   pl_free(scratch->suns);
   pl_coverage_clear(&scratch->coverage);
-  pl_irradiance_clear(&scratch->share);
+  pl_irradiance_clear(&scratch->irradiance);
   pl_free(scratch);
 }
 
@@ -342,7 +342,7 @@ static pl_status sample_colour(const job *job, size_t item, int worker, const co
     check *= 2;
     pl_path_adapt(&context, b);
   }
-  return pl_irradiance_keep(&job->scratch->share, row, column, &context, b);
+  return pl_irradiance_keep(&job->scratch->irradiance, row, column, &context, b);
 }
 
 /* Fills the radiance behind everything, for all pixels of the tile. */
@@ -388,17 +388,17 @@ static pl_status render_tile(void *context, size_t nth, int worker) {
   return job->done(job->context, &result, worker);
 }
 
-/* Delivers a tile again, with the shared light added. */
+/* Delivers a tile again, with the filtered light added. */
 static pl_status light_tile(void *context, size_t nth, int worker) {
   const job *job = context;
-  const pl_irradiance_record *share = &job->scratch->share;
+  const pl_irradiance_record *irradiance = &job->scratch->irradiance;
   const size_t item = job->behind + nth, columns = (size_t)job->columns;
   const int row = (int)(item / columns), column = (int)(item % columns);
-  const pl_irradiance_tile *tile = pl_irradiance_tile_at(share, row, column);
+  const pl_irradiance_tile *tile = pl_irradiance_tile_at(irradiance, row, column);
   pl_vec3f *radiance = job->scratch->buffers[worker].radiance;
   if (!tile->lit)
     return PL_OK;
-  pl_irradiance_filter_light(share, row, column, job->settings, job->pixel_rad, radiance);
+  pl_irradiance_filter_light(irradiance, row, column, job->settings, job->pixel_rad, radiance);
   const pl_tile_result result = {.tile = tile->tile,
                                  .radiance = radiance,
                                  .tracer = job->tracer,
@@ -416,14 +416,14 @@ static pl_status run_rows(job *job, int from, int to, pl_item_fn work, pl_cancel
  * needs.
  */
 static pl_status render_bands(job *job, int rows, pl_cancel *cancel) {
-  pl_irradiance_record *share = &job->scratch->share;
-  PL_TRY(pl_irradiance_start(share, job->columns, rows, job->scratch->threads));
-  for (int row = 0, lit = 0; row < rows; row += share->band) {
-    const int end = row + share->band < rows ? row + share->band : rows;
+  pl_irradiance_record *irradiance = &job->scratch->irradiance;
+  PL_TRY(pl_irradiance_start(irradiance, job->columns, rows, job->scratch->threads));
+  for (int row = 0, lit = 0; row < rows; row += irradiance->band) {
+    const int end = row + irradiance->band < rows ? row + irradiance->band : rows;
     const int ready = end < rows ? end - 1 : rows;
-    pl_irradiance_turn(share, row);
+    pl_irradiance_turn(irradiance, row);
     PL_TRY(run_rows(job, row, end, render_tile, cancel));
-    PL_TRY(pl_irradiance_reserve(share));
+    PL_TRY(pl_irradiance_reserve(irradiance));
     PL_TRY(run_rows(job, lit, ready, light_tile, cancel));
     lit = ready;
   }

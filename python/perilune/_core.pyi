@@ -534,7 +534,7 @@ class Renderer:
     def measure_scan(
         self, request: FrameRequest, source: Mapping[str, Any], repeats: int, /
     ) -> tuple[int, float, float]:
-        """The same of all rays of a source, where things are at the middle of the exposure."""
+        """The same of all rays of a source, where entities are at the middle of the exposure."""
     def plan(self, request: FrameRequest) -> FrameResult:
         """The plan of a frame without rendering it (automatic exposure is metered)."""
 

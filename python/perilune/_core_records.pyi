@@ -57,7 +57,7 @@ class NodeKind(TypedDict):
     outputs: tuple[Socket, ...]
     constants: tuple[Constant, ...]
     surface: bool  # its inputs are what a graph gives
-    own: bool  # gives what the own material of the thing it is on does
+    own: bool  # gives what the own material of the entity it is on does
 
 class LensModel(TypedDict):
     doc: str
@@ -122,7 +122,7 @@ class FrameRequest(TypedDict):
     # row in s, whether keys hold to halfway to the next. Keys, an odd number K evenly from the
     # first row's opening to the last row's closing, replace all poses: "camera" (K, 7), "objects"
     # (objects, K, 7), "bodies" (bodies, K, 7), "sun" (K, 3), "movers" (K, nodes, 3, 4). Without
-    # "camera" things move straight from their first pose to their second.
+    # "camera" entities move straight from their first pose to their second.
     motion: NotRequired[Mapping[str, Any] | None]
     object_poses: F64  # (objects, 2, 7)
     object_scale: F64  # (objects,), metres per model unit

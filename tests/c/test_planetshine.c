@@ -243,7 +243,7 @@ static void test_noise(void **state) {
     pl_arena arena;
     pl_snapshot shot;
     pl_planetshine planetshine;
-    pl_planetshine_ray shine, none = {.share = 0.0f};
+    pl_planetshine_ray shine, none = {.fraction = 0.0f};
     const pl_render_settings settings = {.white_radiance = 1.0f, .detail = PL_DETAIL_FULL};
     pl_model *plate = square_create(HALF);
     world w = {.count = 1, .sun = aside(180.0 - cases[i].phase)};
@@ -265,8 +265,8 @@ static void test_noise(void **state) {
     const moments chance = draw_light(&w, &none, &vertex.surface);
     const double gain =
         (chance.square - chance.mean * chance.mean) / (drawn.square - drawn.mean * drawn.mean);
-    print_message("%g radii, phase %g: share %.2f, variance a %.3gth, light %.4f\n",
-                  cases[i].distance, cases[i].phase, (double)shine.share, gain,
+    print_message("%g radii, phase %g: fraction %.2f, variance a %.3gth, light %.4f\n",
+                  cases[i].distance, cases[i].phase, (double)shine.fraction, gain,
                   drawn.mean / chance.mean);
     assert_true(gain > cases[i].least);
     assert_true(fabs(drawn.mean / chance.mean - 1.0) < (cases[i].distance > 10.0 ? 0.2 : 0.02));

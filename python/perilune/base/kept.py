@@ -1,4 +1,4 @@
-"""Room in dictionaries of things that are kept for later."""
+"""Room in dictionaries of values that are kept for later."""
 
 from __future__ import annotations
 

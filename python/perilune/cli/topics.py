@@ -52,12 +52,12 @@ class Topic:
     text: Callable[[], str]
 
 
-def _doc(thing: object) -> str:
-    return inspect.getdoc(thing) or ""
+def _doc(item: object) -> str:
+    return inspect.getdoc(item) or ""
 
 
-def _signed(thing: Callable[..., object], name: str) -> str:
-    return f"{name}{inspect.signature(thing)}\n\n{_doc(thing)}"
+def _signed(item: Callable[..., object], name: str) -> str:
+    return f"{name}{inspect.signature(item)}\n\n{_doc(item)}"
 
 
 def _taxonomy() -> str:

@@ -23,10 +23,10 @@ def sections(config: Config) -> Mapping[str, tuple[str, Body | Spacecraft]]:
     return {**bodies, **crafts}
 
 
-def _check_cycles(things: Mapping[str, tuple[str, Any]]) -> None:
-    for start, (section, _) in things.items():
+def _check_cycles(entities: Mapping[str, tuple[str, Any]]) -> None:
+    for start, (section, _) in entities.items():
         chain, at = [start], start
-        while (orbit := things[at][1].orbit) is not None:
+        while (orbit := entities[at][1].orbit) is not None:
             at = orbit.around
             if at == start:
                 text = " -> ".join([*chain, start])
@@ -90,15 +90,15 @@ def check_steps(config: Config) -> None:
 def check_motion(config: Config) -> None:
     """Inside a validator: checks all names, and what orbits need of other entries. It reads no
     numbers."""
-    things = sections(config)
-    for name, (section, entry) in things.items():
+    entities = sections(config)
+    for name, (section, entry) in entities.items():
         path = f"{section}.{name}"
         if entry.orbit is not None:
             around = entry.orbit.around
             if around == name:
                 fail(f"{path}.orbit.around", f"a cycle: {name} is around itself: {name} -> {name}")
-            if around not in things:
-                text = f"no entry named '{around}'{nearest(around, _but(things, name))}"
+            if around not in entities:
+                text = f"no entry named '{around}'{nearest(around, _but(entities, name))}"
                 fail(f"{path}.orbit.around", text)
             parent = config.spacecraft.get(around)
             if parent is not None and parent.gm_km3_s2 is None and _needs_gm(entry.orbit):
@@ -110,9 +110,9 @@ def check_motion(config: Config) -> None:
             target = attitude.target
             if target == name:
                 fail(f"{path}.attitude.target", "it cannot point at itself")
-            if target not in things:
-                text = f"no entry named '{target}'{nearest(target, _but(things, name))}"
+            if target not in entities:
+                text = f"no entry named '{target}'{nearest(target, _but(entities, name))}"
                 fail(f"{path}.attitude.target", text)
     if config.bodies[config.root].orbit is not None:
         fail(f"bodies.{config.root}.orbit", "the root body is the origin and has no orbit")
-    _check_cycles(things)
+    _check_cycles(entities)

@@ -69,7 +69,7 @@ class Row:
     of: str = IMAGE
 
     def knobs(self, scene: Scene) -> Iterator[Knob]:
-        """The knobs of a scene: one, or one for each thing that has it."""
+        """The knobs of a scene: one, or one for each entity that has it."""
         made = self.rungs(scene)
         named = [(self.name, made)] if isinstance(made, Sequence) else list(made)
         for name, rungs in named:

@@ -22,7 +22,7 @@ _DAY_S = 86400.0
 _TIMES = 25
 _PERCENTILE = 99.9
 _OUTLINES = 99.0
-"""Per cent of pixels whose ground is compared: at outlines another thing is seen."""
+"""Per cent of pixels whose ground is compared: at outlines something else is seen."""
 
 
 @dataclass(frozen=True)

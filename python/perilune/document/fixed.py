@@ -11,9 +11,9 @@ from perilune.config.schema import Config
 from perilune.config.spacecraft import Spacecraft
 
 
-def _orbit(thing: Body | Spacecraft) -> tuple[str, str] | None:
+def _orbit(entity: Body | Spacecraft) -> tuple[str, str] | None:
     """Keys of an orbit that decide the order of placement and what is drawn once a scene."""
-    return None if thing.orbit is None else (thing.orbit.kind, thing.orbit.around)
+    return None if entity.orbit is None else (entity.orbit.kind, entity.orbit.around)
 
 
 def _of_body(body: Body) -> dict[str, Any]:

@@ -22,28 +22,28 @@ def spread(tree: Tree) -> None:
     under a name of its own. Sections without an object stay where they are; malformed ones are left
     to the validation."""
     sections = ("spacecraft", "bodies", "volumes")
-    things = {name: raw for key in sections for name, raw in _mapping(tree, key).items()}
+    entities = {name: raw for key in sections for name, raw in _mapping(tree, key).items()}
     materials = _mapping(tree, "materials")
     for name, material in materials.items():
         if _is_per_instance(material):
-            _to_instances(name, material, things)
+            _to_instances(name, material, entities)
     if _is_per_instance(tree, "material_drivers"):
-        _to_things(tree, materials, things)
+        _to_entities(tree, materials, entities)
 
 
-def _to_instances(name: str, material: Tree, things: Mapping[str, Any]) -> None:
-    users = [thing for thing, raw in things.items() if name in _used(raw)]
+def _to_instances(name: str, material: Tree, entities: Mapping[str, Any]) -> None:
+    users = [entity for entity, raw in entities.items() if name in _used(raw)]
     instances = material.setdefault("instances", {})
     if users and isinstance(instances, dict):
         section = material.pop("drivers")
-        for thing in users:
-            _copy(section, instances, thing, section["drivers"])
+        for entity in users:
+            _copy(section, instances, entity, section["drivers"])
 
 
-def _to_things(tree: Tree, materials: Mapping[str, Any], things: Mapping[str, Any]) -> None:
+def _to_entities(tree: Tree, materials: Mapping[str, Any], entities: Mapping[str, Any]) -> None:
     section = tree["material_drivers"]
     gone: set[str] = set()
-    for raw in things.values():
+    for raw in entities.values():
         nodes = (_mapping(_mapping(materials, use), "nodes") for use in _used(raw))
         named = {driver_name(node) for row in nodes for node in row}
         names = [name for name in section["drivers"] if name in named]
@@ -65,11 +65,11 @@ def _is_per_instance(owner: Any, key: str = "drivers") -> bool:
     return section.get("per") == "instance" and bool(_mapping(section, "drivers"))
 
 
-def _used(thing: Any) -> list[str]:
+def _used(entity: Any) -> list[str]:
     """Names of the graphs that are, or may be, on a spacecraft or a body."""
-    if not isinstance(thing, Mapping):
+    if not isinstance(entity, Mapping):
         return []
-    return list(_names(thing.get("materials", thing.get("material"))))
+    return list(_names(entity.get("materials", entity.get("material"))))
 
 
 def _names(value: Any) -> Iterator[str]:

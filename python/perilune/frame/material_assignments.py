@@ -186,8 +186,8 @@ class MaterialAssignments:
 
 def _read(config: Config) -> tuple[object, ...]:
     """The sections that decide the parameters of graphs."""
-    things = (config.spacecraft, config.bodies, config.volumes)
-    return (*things, config.materials, config.material_drivers)
+    entities = (config.spacecraft, config.bodies, config.volumes)
+    return (*entities, config.materials, config.material_drivers)
 
 
 def _with_graphs(own: NDArray[np.uint8], placed: Placed | None) -> NDArray[np.uint8]:

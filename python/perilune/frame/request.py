@@ -212,8 +212,8 @@ def _motion(config: Config, keys: Keys | None) -> dict[str, Any] | None:
     return {
         "times": (camera.exposure_time_s, 1e-6 * camera.line_time_us, keys.held),
         "camera": keys.camera,
-        "objects": _stacked([keys.things[name] for name in config.spacecraft], shape),
-        "bodies": _stacked([keys.things[name] for name in config.bodies], shape),
+        "objects": _stacked([keys.entities[name] for name in config.spacecraft], shape),
+        "bodies": _stacked([keys.entities[name] for name in config.bodies], shape),
         "sun": keys.sun_m,
         "movers": keys.movers,
     }

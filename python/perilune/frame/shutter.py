@@ -33,7 +33,7 @@ class Keys:
 
     camera: F64
     """(count, 7) camera poses."""
-    things: dict[str, F64]
+    entities: dict[str, F64]
     """Name of a body or spacecraft -> poses (count, 7)."""
     sun_m: F64
     """(count, 3) position of the Sun."""
@@ -137,12 +137,12 @@ def _seen(camera: F64, pose: F64) -> tuple[F64, F64]:
 
 def _off_px(world: World, focal_px: float, truth: State, guess: State) -> float:
     """Distance in pixels between the true state at an instant and the interpolated one."""
-    (camera, things, _, movers), (camera_k, things_k, _, movers_k) = truth, guess
+    (camera, entities, _, movers), (camera_k, entities_k, _, movers_k) = truth, guess
     most = 0.0
-    for name in things:
+    for name in entities:
         radius = world.radius_m(name)
-        place, turn = _seen(camera, things[name])
-        place_k, turn_k = _seen(camera_k, things_k[name])
+        place, turn = _seen(camera, entities[name])
+        place_k, turn_k = _seen(camera_k, entities_k[name])
         distance = max(float(np.linalg.norm(place)) - radius, 0.1 * radius)
         _, angle = rotations.to_axis_angle(rotations.multiply(rotations.conjugate(turn), turn_k))
         own = 0.0

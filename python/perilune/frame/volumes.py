@@ -28,14 +28,14 @@ class Volumes:
         the spacecraft, or of the body after all of them), "pose" (7,) in the parent's axes,
         "extinction_per_m", "albedo", "emission" (W m-3 sr-1), all (3,), "g", "core_m", and "graph"
         with its "parameters" (n, 3), or None."""
-        things = [*config.spacecraft, *config.bodies]
+        entities = [*config.spacecraft, *config.bodies]
         rows = []
         for name, volume in config.volumes.items():
             row: dict[str, Any] = {
                 "name": name,
                 "shape": volume.shape,
                 "size_m": volume.numbers_m,
-                "parent": things.index(volume.parent),
+                "parent": entities.index(volume.parent),
                 "pose": np.array(
                     [*volume.position_m, *rotations.from_rpy_deg(volume.rotation_deg)]
                 ),

@@ -59,9 +59,9 @@ def drivers_of(config: Config, name: str, owner: str | None) -> list[DriverSecti
     material = config.materials[name]
     if owner is None:
         return [material.drivers, config.material_drivers]
-    things = next(part for part in _owners(config).values() if owner in part)
+    entities = next(part for part in _owners(config).values() if owner in part)
     own = material.instances.get(owner)
-    return [own, material.drivers, things[owner].material_drivers, config.material_drivers]
+    return [own, material.drivers, entities[owner].material_drivers, config.material_drivers]
 
 
 def _owners(config: Config) -> dict[str, Mapping[str, Any]]:
@@ -127,11 +127,11 @@ Users: TypeAlias = Mapping[str, Sequence[str]]
 
 def _places(config: Config, users: Users) -> Iterator[tuple[str, str | None]]:
     """(entry of materials, owner) of all graphs, including unused ones."""
-    things = (*config.spacecraft, *config.bodies, *config.volumes)
+    entities = (*config.spacecraft, *config.bodies, *config.volumes)
     for name, material in config.materials.items():
-        owners: list[str | None] = [t for t in things if name in users.get(t, ())]
+        owners: list[str | None] = [t for t in entities if name in users.get(t, ())]
         # What has values of its own may have used the graph before an override of its choice.
-        others = [thing for thing in material.instances if thing in things]
+        others = [entity for entity in material.instances if entity in entities]
         yield from ((name, owner) for owner in (*(owners or [None]), *others))
 
 
@@ -150,8 +150,8 @@ def _entries(config: Config, users: Users) -> Iterator[tuple[str, str, list[str]
         yield from of(f"materials.{name}.drivers", material.drivers, [name])
         for owner, section in material.instances.items():
             yield from of(f"materials.{name}.instances.{owner}", section, [name])
-    for kind, things in _owners(config).items():
-        for owner, row in things.items():
+    for kind, entities in _owners(config).items():
+        for owner, row in entities.items():
             key = f"{kind}.{owner}.material_drivers"
             yield from of(key, row.material_drivers, users.get(owner, []))
     yield from of("material_drivers", config.material_drivers, config.materials)

@@ -27,7 +27,7 @@ _STATE = frozenset({"position_km", "velocity_km_s"})
 
 
 @dataclass(frozen=True)
-class Thing:
+class Entity:
     """A body or spacecraft as a hook sees it; metres, root frame (ICRF axes)."""
 
     _pose: F64
@@ -55,21 +55,21 @@ def _frozen(array: F64) -> F64:
     return found
 
 
-class Surroundings(Mapping[str, Thing]):
+class Surroundings(Mapping[str, Entity]):
     """The argument `world` of an orbit's hook: all objects whose positions are known before it, at
     the scene's first step. Read-only."""
 
-    def __init__(self, things: Mapping[str, Thing]) -> None:
-        self._things = dict(things)
+    def __init__(self, entities: Mapping[str, Entity]) -> None:
+        self._entities = dict(entities)
 
-    def __getitem__(self, name: str) -> Thing:
-        return self._things[name]
+    def __getitem__(self, name: str) -> Entity:
+        return self._entities[name]
 
     def __iter__(self) -> Iterator[str]:
-        return iter(self._things)
+        return iter(self._entities)
 
     def __len__(self) -> int:
-        return len(self._things)
+        return len(self._entities)
 
 
 def _vector(answer: Mapping[str, Any], key: str) -> F64:

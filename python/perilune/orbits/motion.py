@@ -60,27 +60,27 @@ class Kept(Generic[T]):
 
     def __init__(self, size: int) -> None:
         self._size = size
-        self._things: OrderedDict[Hashable, T] = OrderedDict()
+        self._values: OrderedDict[Hashable, T] = OrderedDict()
         self._lock = threading.Lock()
         _all_kept.add(self)
 
     def leave(self) -> OrderedDict[Hashable, T]:
         """Empties the cache and returns its former contents."""
-        left, self._things, self._lock = self._things, OrderedDict(), threading.Lock()
+        left, self._values, self._lock = self._values, OrderedDict(), threading.Lock()
         return left
 
     def get(self, key: Hashable, make: Callable[[], T]) -> T:
         """The object of a key, made if it is not cached."""
         with self._lock:
-            if key in self._things:
-                self._things.move_to_end(key)
-                return self._things[key]
-        thing = make()
+            if key in self._values:
+                self._values.move_to_end(key)
+                return self._values[key]
+        value = make()
         with self._lock:
-            thing = self._things.setdefault(key, thing)
-            while len(self._things) > self._size:
-                self._things.popitem(last=False)
-        return thing
+            value = self._values.setdefault(key, value)
+            while len(self._values) > self._size:
+                self._values.popitem(last=False)
+        return value
 
 
 class _Digests:

@@ -119,18 +119,19 @@ def _later(motion: Motion, begin: Date, begin_s: float) -> Motion:
 def _known_before(setting: Setting, name: str) -> list[str]:
     """Objects that a hook's orbit may see: all that move without a hook that comes at or after
     it."""
-    things = sections(setting.config)
-    order = list(things)
+    entities = sections(setting.config)
+    order = list(entities)
     later = {
         other
         for other in order[order.index(name) :]
-        if things[other][1].orbit is not None and _hooked(setting, other, things[other][1].orbit)
+        if entities[other][1].orbit is not None
+        and _hooked(setting, other, entities[other][1].orbit)
     }
     known = []
     for other in order:
         at: str | None = other
         while at is not None and at not in later:
-            orbit = things[at][1].orbit
+            orbit = entities[at][1].orbit
             at = None if orbit is None else orbit.around
         if at is None:
             known.append(other)
@@ -144,10 +145,10 @@ def _radii_m(setting: Setting, name: str) -> F64:
 def _surroundings(setting: Setting, known: list[str]) -> hooked.Surroundings:
     """Poses and radii of some objects at the scene's first step."""
     found = System(setting, known).states(np.array([setting.start_s]))
-    entries: dict[str, hooked.Thing] = {}
+    entries: dict[str, hooked.Entity] = {}
     for name in known:
         radii = partial(_radii_m, setting, name)
-        entries[name] = hooked.Thing(found.poses[name][0], radii)
+        entries[name] = hooked.Entity(found.poses[name][0], radii)
     return hooked.Surroundings(entries)
 
 
@@ -207,7 +208,7 @@ _OF_NUMBERS = ("kepler", "circular", "j2")
 
 
 def _lasting(setting: Setting, names: list[str]) -> list[Node]:
-    """The nodes of all things, kept while nothing that they are made from changes."""
+    """The nodes of all entities, kept while nothing that they are made from changes."""
     config = setting.config
     orbits = all(
         entry.orbit is None or entry.orbit.kind in _OF_NUMBERS
@@ -262,9 +263,9 @@ def _check_over_ground(setting: Setting, found: States, t_s: F64, name: str, aro
 
 def _check_above(setting: Setting, found: States, t_s: F64, names: list[str]) -> None:
     """ValueError that names the orbit of an object whose centre is inside its central body."""
-    things = sections(setting.config)
+    entities = sections(setting.config)
     for name in names:
-        section, entry = things[name]
+        section, entry = entities[name]
         if entry.orbit is None or entry.orbit.around not in setting.config.bodies:
             continue
         if isinstance(entry.orbit, ON_GROUND):

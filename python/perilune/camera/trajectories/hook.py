@@ -40,9 +40,9 @@ def checked(poses: Any, what: str) -> F64:
 
 def _nearest(world: World, place: F64) -> str:
     """The object whose surface, or bounding sphere, is nearest to a position at the opening."""
-    things = [*world.craft_radius_m, *world.body_radii_m]
+    entities = [*world.craft_radius_m, *world.body_radii_m]
     return min(
-        things,
+        entities,
         key=lambda name: (
             float(np.linalg.norm(place - world.position_m(name))) - world.radius_m(name)
         ),

@@ -68,11 +68,11 @@ def check_trajectory(config: Config) -> None:
     """Inside a validator: checks names of other entries, and the time."""
     spec = config.camera.trajectory
     bodies = list(config.bodies)
-    things = [*config.spacecraft, *bodies]
+    entities = [*config.spacecraft, *bodies]
     for key, allowed in (
-        ("target", bodies if isinstance(spec, _OVER_GROUND) else things),
+        ("target", bodies if isinstance(spec, _OVER_GROUND) else entities),
         ("background", bodies),
-        ("around", things),
+        ("around", entities),
     ):
         name = getattr(spec, key, None)
         if name is not None and name not in allowed:

@@ -44,7 +44,7 @@ def _air(params: Node, scene: Scene) -> None:
     from perilune.config.atmosphere import Atmosphere
 
     given = [key for key in _AIR if params.has(key)]
-    bodies = (thing for thing in scene.things.values() if thing.section == "bodies")
+    bodies = (entity for entity in scene.entities.values() if entity.section == "bodies")
     planet = next((row for row in bodies if "shape" not in scene.tree["bodies"][row.name]), None)
     if planet is None or "atmosphere" in scene.tree["bodies"][planet.name]:
         why = "no ellipsoid is there" if planet is None else "the planet's `atmosphere` counts"

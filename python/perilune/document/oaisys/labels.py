@@ -58,7 +58,7 @@ def read(meshes: list[tuple[str, Node]], scene: Scene) -> dict[str, Any]:
         if len(levels) < depth:
             text = f"has {len(levels)} of {depth} levels; the last stands for the finer ones"
             scene.notes.warn(where, text)
-        entry = scene.tree[scene.things[name].section][name]
+        entry = scene.tree[scene.entities[name].section][name]
         for k, level in enumerate(ids):
             number = levels[min(k, len(levels) - 1)]
             if not 1 <= number <= _LARGEST:

@@ -14,7 +14,7 @@ from typing import Any
 
 from perilune.document.oaisys import drivers, files, labels, orbits, planets
 from perilune.document.oaisys.node import Node
-from perilune.document.oaisys.scene import ORIGIN, Scene, Thing, clean_name
+from perilune.document.oaisys.scene import ORIGIN, Entity, Scene, clean_name
 from perilune.document.oaisys.units import known_body, metres_per_unit
 
 _ORIGIN_KM = 1e-12
@@ -208,7 +208,7 @@ def _entry(mesh: Mesh, scene: Scene) -> dict[str, Any]:
     section = "bodies" if mesh.is_body else "spacecraft"
     ours = f"{section}.{mesh.name}"
     drivers.read_mesh((mesh.params, mesh.entry), entry, ours, mesh.file, mesh.is_body)
-    scene.things[mesh.name] = Thing(
+    scene.entities[mesh.name] = Entity(
         name=mesh.name,
         aliases=(mesh.alias, mesh.instance),
         node=mesh.entry,
@@ -231,9 +231,9 @@ def read(root: Node, section: Node, scene: Scene) -> None:
         sections["bodies"][ORIGIN] = _origin()
     for mesh in meshes:
         entry = _entry(mesh, scene)
-        sections[scene.things[mesh.name].section][mesh.name] = entry
+        sections[scene.entities[mesh.name].section][mesh.name] = entry
     for mesh in meshes:  # all of them are known by now
-        where = scene.things[mesh.name].section
+        where = scene.entities[mesh.name].section
         entry, ours = sections[where][mesh.name], f"{where}.{mesh.name}"
         if mesh.orbit is not None:
             entry["orbit"] = orbits.read(mesh.orbit, scene, f"{ours}.orbit")

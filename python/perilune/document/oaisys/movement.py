@@ -8,7 +8,7 @@ from typing import Any
 
 from perilune.document.oaisys import approach, files
 from perilune.document.oaisys.node import Node, varying
-from perilune.document.oaisys.scene import Scene, Thing
+from perilune.document.oaisys.scene import Entity, Scene
 
 Movement = Callable[[Node, Scene], dict[str, Any]]
 _DEFAULT_RADII = 3.0
@@ -18,7 +18,7 @@ _UNUSED = ("hoverBase", "hoverTarget", "targetObject", "positionOffset")
 undocumented ways."""
 
 
-def _distance(node: Node, scene: Scene, target: Thing) -> dict[str, Any]:
+def _distance(node: Node, scene: Scene, target: Entity) -> dict[str, Any]:
     """orbit_radius, and the noise added at every step."""
     noise = scene.metres_per_unit * node.number("orbit_radius_noise", 0.0)
     if node.has("orbit_radius"):

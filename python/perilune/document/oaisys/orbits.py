@@ -6,14 +6,14 @@ from collections.abc import Callable
 from typing import Any
 
 from perilune.document.oaisys.node import Node, varying
-from perilune.document.oaisys.scene import Scene, Thing
+from perilune.document.oaisys.scene import Entity, Scene
 from perilune.document.oaisys.units import EARTH_M, synchronous_radius_m
 
 _CLASSES = ("LEO", "MEO", "GEO", "PO", "SSO", "LLO")
 """Classes of our database that a circle can represent."""
 
 
-def _circular(node: Node, scene: Scene, parent: Thing) -> dict[str, Any]:
+def _circular(node: Node, scene: Scene, parent: Entity) -> dict[str, Any]:
     """A path in radii of the central body; the file has scene units."""
     scale = node.numbers("scale", 3)
     if not min(scale) > 0.0:
@@ -24,7 +24,7 @@ def _circular(node: Node, scene: Scene, parent: Thing) -> dict[str, Any]:
     return {"kind": "circular", "scale": ours, "rotation_deg": turn, "orbit_start": start}
 
 
-def _database(node: Node, scene: Scene, parent: Thing) -> dict[str, Any]:
+def _database(node: Node, scene: Scene, parent: Entity) -> dict[str, Any]:
     """A class of orbits, drawn once a scene and traversed at v_step."""
     kind = node.choice("orbit_type", _CLASSES)
     if kind == "GEO":
@@ -37,7 +37,7 @@ def _database(node: Node, scene: Scene, parent: Thing) -> dict[str, Any]:
     }
 
 
-def _stationary(node: Node, parent: Thing) -> dict[str, Any]:
+def _stationary(node: Node, parent: Entity) -> dict[str, Any]:
     """A circle above the equator of the central body as rotated here, which our database with its
     equators of the table lacks; around unknown bodies at 6.6 radii, as for the Earth."""
     radii = parent.radii_m()
@@ -53,7 +53,7 @@ def _stationary(node: Node, parent: Thing) -> dict[str, Any]:
     }
 
 
-def _custom(node: Node, scene: Scene, parent: Thing) -> dict[str, Any]:
+def _custom(node: Node, scene: Scene, parent: Entity) -> dict[str, Any]:
     """The user's function, as in the paper's second listing."""
     params = node.child("params")
     params.skip()
@@ -66,7 +66,7 @@ def _custom(node: Node, scene: Scene, parent: Thing) -> dict[str, Any]:
     }
 
 
-_KINDS: dict[str, Callable[[Node, Scene, Thing], dict[str, Any]]] = {
+_KINDS: dict[str, Callable[[Node, Scene, Entity], dict[str, Any]]] = {
     "circular": _circular,
     "orbit_database": _database,
     "custom": _custom,

@@ -16,7 +16,7 @@ ORIGIN = "origin"
 
 
 @dataclass
-class Thing:
+class Entity:
     """A mesh of the file as a body or a spacecraft."""
 
     name: str
@@ -45,21 +45,23 @@ class Scene:
     notes: Notes
     metres_per_unit: float
     tree: dict[str, Any] = field(default_factory=dict)
-    things: dict[str, Thing] = field(default_factory=dict)
+    entities: dict[str, Entity] = field(default_factory=dict)
     """Our name -> object, in the order of the file."""
     steps: int = 1
     """Steps per batch."""
     passes: set[str] = field(default_factory=set)
     """Render passes requested by sensors."""
 
-    def find(self, node: Node, key: str) -> Thing:
+    def find(self, node: Node, key: str) -> Entity:
         """The object that a key names: by `name`, then by `meshInstanceName`."""
         wanted = node.text(key)
         for position in (0, 1):
-            for thing in self.things.values():
-                if thing.aliases[position] == wanted:
-                    return thing
-        known = dict.fromkeys(alias for thing in self.things.values() for alias in thing.aliases)
+            for entity in self.entities.values():
+                if entity.aliases[position] == wanted:
+                    return entity
+        known = dict.fromkeys(
+            alias for entity in self.entities.values() for alias in entity.aliases
+        )
         node.fail(key, f"no mesh named '{wanted}'{nearest(wanted, known)}")
 
     def lengths_m(self, units: list[float]) -> list[float]:

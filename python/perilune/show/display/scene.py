@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from perilune.simulation import Simulation
 
 
-def _things(sim: Simulation) -> list[tuple[Any, ...]]:
+def _entities(sim: Simulation) -> list[tuple[Any, ...]]:
     rows: list[tuple[Any, ...]] = []
     config = sim.config
     for section, entries in (("body", config.bodies), ("spacecraft", config.spacecraft)):
@@ -41,7 +41,7 @@ def simulation_html(sim: Simulation) -> str:
     return whole(
         heading(f"Simulation {config.name}", dim),
         heading("", config.description) if config.description else "",
-        table(("name", "", "kind or model", "orbit"), _things(sim)),
+        table(("name", "", "kind or model", "orbit"), _entities(sim)),
         table(("camera", "size", "field of view", "trajectory", ""), _cameras(sim)),
         folded(f"drivers ({len(drivers)})", table(columns, drivers)),
         folded("configuration", table(("key", "value"), flat(document.tree), most=400)),

@@ -39,20 +39,20 @@ class GraphPicture:
         return target
 
 
-def draw(document: Document, name: str, thing: str | None = None) -> GraphPicture:
+def draw(document: Document, name: str, entity: str | None = None) -> GraphPicture:
     """The picture of an entry of `materials`, with the drivers that it has on an object.
 
-    thing: spacecraft or body (default: the first that it is, or may be, on). ValueError for unknown
-    names."""
+    entity: spacecraft or body (default: the first that it is, or may be, on). ValueError for
+    unknown names."""
     config = document.config
     if name not in config.materials:
         raise ValueError(f"materials: no entry named '{name}'{nearest(name, config.materials)}")
     on = materials.users(config, document.drivers)
     users = [owner for owner, uses in on.items() if name in uses]
-    if thing is not None and thing not in users:
-        raise ValueError(f"'{name}' is not on '{thing}'{nearest(thing, users)}")
-    if thing is None and users:
-        thing = users[0]
-    boxes, links = read(document, name, thing)
-    title = name if thing is None else f"{name} on {thing}"
+    if entity is not None and entity not in users:
+        raise ValueError(f"'{name}' is not on '{entity}'{nearest(entity, users)}")
+    if entity is None and users:
+        entity = users[0]
+    boxes, links = read(document, name, entity)
+    title = name if entity is None else f"{name} on {entity}"
     return GraphPicture(name, write(title, place(boxes, links)))

@@ -51,7 +51,7 @@ def plot_orbits(
         if name in sim.config.bodies:
             _add_body(scene, sim, last, name, center)
     for number, name in enumerate(shown):
-        # Several orbits of a single thing are told apart by colours of their own.
+        # Several orbits of a single entity are told apart by colours of their own.
         colors = PALETTE if len(shown) == 1 else (PALETTE[number % len(PALETTE)],)
         _add_track(scene, worlds, name, center, track, colors)
     scene.draw(title if title is not None else f"Orbits about {center}, ICRF axes", legend)
