@@ -6,27 +6,28 @@
 
 /* Heights over widths are 0.54 on average, with a scatter (Demidov and Basilevsky 2014). */
 const pl_rock_family pl_rock_families[PL_ROCK_FAMILIES] = {
-    [PL_ROCK_BLOCK] = {"block", "Angular, with flat faces.", 0.82, 0.62, 14, 0.55, 0.85, 5, 0.06,
-                       0.030},
-    [PL_ROCK_CUBE] = {"cube", "Six faces at about right angles.", 0.88, 0.70, 6, 0.58, 0.72, 5,
-                      0.05, 0.025},
-    [PL_ROCK_WEDGE] = {"wedge", "Few large faces at sharp angles.", 0.80, 0.58, 6, 0.35, 0.70, 5,
-                       0.06, 0.030},
-    [PL_ROCK_SLAB] = {"slab", "Flat, with a broken outline.", 0.80, 0.30, 12, 0.60, 0.85, 5, 0.06,
-                      0.030},
-    [PL_ROCK_TABLET] = {"tablet", "Flat and rounded.", 0.85, 0.38, 10, 0.65, 0.95, 3, 0.10, 0.035},
-    [PL_ROCK_SHARD] = {"shard", "Long and sharp.", 0.50, 0.40, 12, 0.45, 0.85, 6, 0.06, 0.030},
-    [PL_ROCK_SPLIT] = {"split", "Rounded, with a few fresh faces.", 0.82, 0.60, 4, 0.32, 0.80, 5,
-                       0.10, 0.040},
+    [PL_ROCK_BLOCK] = {"block", "Angular, with flat faces.", 0.82, 0.62, 9, 0.52, 0.80, 6, 0.03,
+                       0.016, 15},
+    [PL_ROCK_CUBE] = {"cube", "Six faces at about right angles.", 0.88, 0.70, 6, 0.58, 0.70, 6,
+                      0.03, 0.014, 12},
+    [PL_ROCK_WEDGE] = {"wedge", "Few large faces at sharp angles.", 0.80, 0.58, 7, 0.35, 0.74, 6,
+                       0.03, 0.016, 12},
+    [PL_ROCK_SLAB] = {"slab", "Flat, with a broken outline.", 0.80, 0.30, 10, 0.55, 0.85, 6, 0.03,
+                      0.016, 12},
+    [PL_ROCK_TABLET] = {"tablet", "Flat and rounded.", 0.85, 0.38, 10, 0.65, 0.95, 3, 0.10, 0.035,
+                        0},
+    [PL_ROCK_SHARD] = {"shard", "Long and sharp.", 0.50, 0.40, 10, 0.42, 0.85, 6, 0.03, 0.016, 10},
+    [PL_ROCK_SPLIT] = {"split", "Rounded, with a few fresh faces.", 0.82, 0.60, 4, 0.32, 0.80, 6,
+                       0.08, 0.030, 6},
     [PL_ROCK_COBBLE] = {"cobble", "Rounded by long exposure.", 0.85, 0.60, 10, 0.68, 0.95, 2, 0.12,
-                        0.035},
-    [PL_ROCK_BOULDER] = {"boulder", "Blocky, with worn edges.", 0.82, 0.62, 12, 0.60, 0.90, 3, 0.10,
-                         0.040},
-    [PL_ROCK_EGG] = {"egg", "Nearly an ellipsoid.", 0.80, 0.64, 5, 0.80, 1.00, 2, 0.10, 0.030},
+                        0.035, 0},
+    [PL_ROCK_BOULDER] = {"boulder", "Blocky, with worn edges.", 0.82, 0.62, 9, 0.52, 0.82, 4, 0.06,
+                         0.030, 12},
+    [PL_ROCK_EGG] = {"egg", "Nearly an ellipsoid.", 0.80, 0.64, 5, 0.80, 1.00, 2, 0.10, 0.030, 0},
     [PL_ROCK_BRECCIA] = {"breccia", "Knobbly, of fragments of many sizes.", 0.82, 0.58, 10, 0.65,
-                         0.95, 3, 0.16, 0.060},
-    [PL_ROCK_PITTED] = {"pitted", "Worn and rough.", 0.84, 0.60, 10, 0.65, 0.90, 3, 0.08, 0.080},
-    [PL_ROCK_MODEL] = {"model", "One of the user's models.", 1.0, 1.0, 0, 1.0, 1.0, 2, 0.0, 0.0},
+                         0.95, 3, 0.16, 0.060, 0},
+    [PL_ROCK_PITTED] = {"pitted", "Worn and rough.", 0.84, 0.60, 10, 0.65, 0.90, 3, 0.08, 0.080, 0},
+    [PL_ROCK_MODEL] = {"model", "One of the user's models.", 1.0, 1.0, 0, 1.0, 1.0, 2, 0.0, 0.0, 0},
 };
 
 static pl_vec3 next_direction(pl_philox_stream *s) {
@@ -138,6 +139,23 @@ static void probe(const pl_rock_sphere *sphere, pl_rock_variant *out) {
   out->plan = sqrt(widths);
 }
 
+/* Chips part corners and edges from what the planes so far have left: each is cut off at a part of
+ * how far the surface reaches along it. */
+static void draw_chips(const pl_rock_sphere *sphere, pl_philox_stream *s, pl_rock_variant *out) {
+  static const double LEAST = 0.84, MOST = 0.96;
+  double radii[PL_ROCK_PROBES];
+  for (int n = 0; n < PL_ROCK_PROBES; n++)
+    radii[n] = cut_radius(out, sphere->vertices[n]);
+  for (int k = 0; k < out->family->chips; k++) {
+    const pl_vec3 normal = next_direction(s);
+    double far = 0.0;
+    for (int n = 0; n < PL_ROCK_PROBES; n++)
+      far = fmax(far, radii[n] * pl_vec3_dot(sphere->vertices[n], normal));
+    const double distance = far * (LEAST + (MOST - LEAST) * pl_philox_next(s));
+    out->normals[out->planes++] = pl_vec3_scale(normal, 1.0 / distance);
+  }
+}
+
 static void draw_variant(pl_rock_family_kind family, int k, const pl_rock_sphere *sphere,
                          pl_rock_variant *out) {
   const pl_rock_family *of = &pl_rock_families[family];
@@ -153,6 +171,7 @@ static void draw_variant(pl_rock_family_kind family, int k, const pl_rock_sphere
     const double distance = of->nearest + (of->furthest - of->nearest) * pl_philox_next(&s);
     out->normals[n] = pl_vec3_scale(normal, 1.0 / distance);
   }
+  draw_chips(sphere, &s, out);
   probe(sphere, out);
 }
 

@@ -1,11 +1,11 @@
 /* Shapes of rocks: bodies around a centre, a function of direction, in a dozen families.
  *
- * A ball is cut by random planes, with edges rounded as the family says, and displaced by noise.
- * Each family has PL_ROCK_VARIANTS such balls; a rock is one of them, stretched along three axes
- * by numbers of its own. The last family has no balls, but the shapes of the rocks that users give
- * (terrain/rock_scan.h). So rocks are affine images of a few hundred shapes, and share their meshes
- * (terrain/rock_mesh.h). Every ray from the centre meets the surface once, so any mesh of a sphere
- * gives a closed mesh of the rock. z is its short axis. */
+ * A ball is cut by random planes, whose corners are chipped by more, with edges rounded as the
+ * family says, and displaced by noise. Each family has PL_ROCK_VARIANTS such balls; a rock is one
+ * of them, stretched along three axes by numbers of its own. The last family has no balls, but the
+ * shapes of the rocks that users give (terrain/rock_scan.h). So rocks are affine images of a few
+ * hundred shapes, and share their meshes (terrain/rock_mesh.h). Every ray from the centre meets the
+ * surface once, so any mesh of a sphere gives a closed mesh of the rock. z is its short axis. */
 #ifndef PL_TERRAIN_ROCK_SHAPE_H
 #define PL_TERRAIN_ROCK_SHAPE_H
 
@@ -15,7 +15,7 @@
 #include "math/vec.h"
 #include "terrain/rock_scan.h"
 
-enum { PL_ROCK_PLANES = 20, PL_ROCK_OCTAVES = 3, PL_ROCK_VARIANTS = 32, PL_ROCK_PROBES = 162 };
+enum { PL_ROCK_PLANES = 24, PL_ROCK_OCTAVES = 3, PL_ROCK_VARIANTS = 32, PL_ROCK_PROBES = 162 };
 
 typedef struct pl_rock_family {
   const char *name, *doc;
@@ -24,6 +24,7 @@ typedef struct pl_rock_family {
   double nearest, furthest; /* distance of planes from the centre; beyond 1 they cut nothing */
   int sharpness;            /* edges: exponent 2^sharpness of the norm that joins planes, 2 to 6 */
   double lumps, roughness;  /* amplitudes of wide and of narrow noise over the radius */
+  int chips; /* further planes, that break corners and edges off; at most PL_ROCK_PLANES in all */
 } pl_rock_family;
 
 typedef enum pl_rock_family_kind {
