@@ -97,9 +97,17 @@ static pl_vec3f depth_at(const chord *c, const pl_air_place *place, double x) {
   return pl_air_depth_of(c->air, column, c->length);
 }
 
-static pl_vec3f depth_of(const chord *c, double x) {
-  const pl_air_place place = place_at(c, x);
-  return depth_at(c, &place, x);
+/* A point on the chord, and the depth from there to the top of the air. */
+typedef struct level {
+  double x;
+  pl_air_place place;
+  pl_vec3f depth;
+} level;
+
+static level level_at(const chord *c, double x) {
+  level out = {.x = x, .place = place_at(c, x)};
+  out.depth = depth_at(c, &out.place, x);
+  return out;
 }
 
 static void set_phases(chord *c) {
@@ -167,8 +175,8 @@ typedef struct way {
   float side;
 } way;
 
-static pl_vec3f way_depth(const chord *c, const way *w, double x) {
-  return pl_vec3f_madd(w->depth, w->side, depth_of(c, x));
+static pl_vec3f way_depth(const way *w, const level *at) {
+  return pl_vec3f_madd(w->depth, w->side, at->depth);
 }
 
 static float least(pl_vec3f v) { return pl_minf(v.x, pl_minf(v.y, v.z)); }
@@ -176,31 +184,32 @@ static float least(pl_vec3f v) { return pl_minf(v.x, pl_minf(v.y, v.z)); }
 /* Light from beyond this depth in every band is negligible. */
 static const float OPAQUE = 12.0f;
 
-/* End of the visible part of the interval from x = a to b. */
-static double cut(const chord *c, const way *w, double a, double b) {
+/* End of the visible part of the interval from a to b. */
+static level cut(const chord *c, const way *w, const level *a, const level *b) {
   enum { HALVINGS = 12 };
-  if (!(least(way_depth(c, w, b)) > OPAQUE))
-    return b;
-  double near = a, far = b;
+  if (!(least(way_depth(w, b)) > OPAQUE))
+    return *b;
+  double near = a->x;
+  level far = *b;
   for (int i = 0; i < HALVINGS; i++) {
-    const double middle = 0.5 * (near + far);
-    if (least(way_depth(c, w, middle)) > OPAQUE)
+    const level middle = level_at(c, 0.5 * (near + far.x));
+    if (least(way_depth(w, &middle)) > OPAQUE)
       far = middle;
     else
-      near = middle;
+      near = middle.x;
   }
   return far;
 }
 
-/* Integral over the chord from x = low to high, which have the same sign and |low| < |high|. */
-static pl_vec3f integrate(const chord *c, const pl_air_rule *rule, double low, double high,
+/* Integral over the chord from a point to x = high, which have the same sign; the point is nearer
+ * to the lowest of the chord. */
+static pl_vec3f integrate(const chord *c, const pl_air_rule *rule, const level *from, double high,
                           const way *w) {
-  const double length = fabs(high - low), sign = high > low ? 1.0 : -1.0;
+  const double low = from->x, length = fabs(high - low), sign = high > low ? 1.0 : -1.0;
   pl_vec3f sum = {0.0f, 0.0f, 0.0f};
   if (!(length > 0.0)) /* two breakpoints coincide */
     return sum;
-  const pl_air_place lowest = place_at(c, low);
-  const double scale = fmin(thinning(c, &lowest, depth_at(c, &lowest, low)), 1e3 * length);
+  const double scale = fmin(thinning(c, &from->place, from->depth), 1e3 * length);
   const double all = -expm1(-length / scale);
   for (int i = 0; i < rule->count; i++) {
     const double left = 1.0 - rule->place[i] * all;
@@ -239,10 +248,47 @@ static int find_bends(const chord *c, double bends[BENDS]) {
   return count;
 }
 
+/* The breakpoints, each evaluated once. Returns their number. */
+static int find_levels(const chord *c, level levels[BENDS]) {
+  double bends[BENDS];
+  const int count = find_bends(c, bends);
+  for (int i = 0; i < count; i++)
+    levels[i] = level_at(c, bends[i]);
+  return count;
+}
+
+/* Optical depth from the start of the chord along it to the top of the air. */
+static pl_vec3f depth_ahead(const level *levels, int count) {
+  const level *lowest = levels;
+  if (!(levels->x < 0.0))
+    return levels->depth;
+  while (lowest < levels + count - 1 && lowest->x < 0.0)
+    lowest++;
+  return pl_vec3f_madd(pl_vec3f_scale(levels->depth, -1.0f), 2.0f, lowest->depth);
+}
+
+/* Light that the air between breakpoints scatters along the chord. */
+static pl_vec3f scattered_along(const chord *c, const pl_air_rule *rule, const level *levels,
+                                int count, pl_vec3f ahead) {
+  pl_vec3f sum = {0.0f, 0.0f, 0.0f};
+  const pl_vec3f behind = pl_vec3f_scale(levels->depth, -1.0f);
+  for (int i = 0; i + 1 < count; i++) {
+    const level *at = &levels[i];
+    const bool down = at->x < 0.0;
+    const way w = down ? (way){behind, 1.0f} : (way){ahead, -1.0f};
+    if (least(way_depth(&w, at)) > OPAQUE)
+      break;
+    const level end = cut(c, &w, at, at + 1);
+    sum = pl_vec3f_add(sum, down ? integrate(c, rule, &end, at->x, &w)
+                                 : integrate(c, rule, at, end.x, &w));
+  }
+  return sum;
+}
+
 pl_air_light pl_air_scatter_by(const pl_air *air, const pl_air_ray *ray, const pl_air_sun *sun,
                                const pl_air_rule *rule, pl_air_mode mode) {
   pl_air_light out = {{0.0f, 0.0f, 0.0f}, {1.0f, 1.0f, 1.0f}};
-  double bends[BENDS];
+  level levels[BENDS];
   chord c = {.air = air, .ray = ray, .sun = sun, .mode = mode};
   c.length = (float)(1.0 / ray->stretch);
   if (!set_chord(air, ray, &c))
@@ -250,24 +296,10 @@ pl_air_light pl_air_scatter_by(const pl_air *air, const pl_air_ray *ray, const p
   c.sun0 = pl_vec3_dot(c.lowest, sun->direction);
   c.sun1 = pl_vec3_dot(ray->direction, sun->direction);
   set_phases(&c);
-  /* Depths from the ends to the top of the air. `ahead`: from the start along the ray to the top.
-   */
-  const pl_vec3f at_from = depth_of(&c, c.from), at_to = depth_of(&c, c.to);
-  const pl_vec3f behind = pl_vec3f_scale(at_from, -1.0f);
-  pl_vec3f ahead = at_from;
-  if (c.from < 0.0)
-    ahead = pl_vec3f_madd(behind, 2.0f, c.to > 0.0 ? depth_of(&c, 0.0) : at_to);
-  const int count = find_bends(&c, bends);
-  for (int i = 0; i + 1 < count; i++) {
-    const bool down = bends[i] < 0.0;
-    const way w = down ? (way){behind, 1.0f} : (way){ahead, -1.0f};
-    if (least(way_depth(&c, &w, bends[i])) > OPAQUE)
-      break;
-    const double end = cut(&c, &w, bends[i], bends[i + 1]);
-    const pl_vec3f part =
-        down ? integrate(&c, rule, end, bends[i], &w) : integrate(&c, rule, bends[i], end, &w);
-    out.scattered = pl_vec3f_add(out.scattered, part);
-  }
+  const int count = find_levels(&c, levels);
+  const pl_vec3f ahead = depth_ahead(levels, count);
+  const pl_vec3f at_from = levels->depth, at_to = levels[count - 1].depth;
+  out.scattered = scattered_along(&c, rule, levels, count, ahead);
   const pl_vec3f depth = c.to > 0.0 ? pl_vec3f_sub(ahead, at_to) : pl_vec3f_sub(at_to, at_from);
   out.transmitted = pl_air_dimmed(
       pl_vec3f_make(pl_maxf(depth.x, 0.0f), pl_maxf(depth.y, 0.0f), pl_maxf(depth.z, 0.0f)));
