@@ -13,7 +13,7 @@ static const char *absent(const pl_view *view) {
   return "no atmosphere that is visible or lights anything in the frame has multiple scattering";
 }
 
-/* Upper bound of what it adds to the light of the air itself and, through skylight, to that of the
+/* Upper bound of the light that multiple scattering adds to the air and, through skylight, to the
  * ground; of that by which it is off, if it is on. It is off because light that is scattered again
  * is isotropic: on the ground by no more than there is, as at most twice the half that isotropic
  * light sends down can come down. For the field that the light is scattered from; of higher orders

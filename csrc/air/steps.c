@@ -9,7 +9,7 @@ static const int rules[PL_AIR_RULES] = {1, 2, 3, 4, 5, 6, 8, 10, 12, 14, 16, 24,
 
 /* Safety factors, since rays that were not tried may have larger errors than those that were;
  * verified by tests/c/test_air_steps.c. The second is for air whose optical depth along the horizon
- * exceeds OPAQUE: so little of it is visible that few rays are alike. */
+ * exceeds OPAQUE: only a thin part of it is visible, and few rays are alike. */
 static const double MARGIN[2] = {3.0, 15.0}, OPAQUE = 100.0;
 
 /* Lowest points of rays from outside and of rays that end on the ground, and heights of viewpoints

@@ -81,7 +81,7 @@ static void write_object_coords(const pl_label_run *run, void *pixels) {
   fill_turned(run->count, run->position, run->label.origin, run->label.rotation, pixels);
 }
 
-/* Classes that graphs give take the place of those of the part. */
+/* Classes by graphs replace the part's. */
 static void classify(const pl_label_run *run, uint16_t *out) {
   const pl_geometry_kind *kind = pl_geometry_of(run->surface_id);
   for (size_t i = 0; i < run->count; i++) {

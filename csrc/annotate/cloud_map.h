@@ -1,4 +1,4 @@
-/* The channel of clouds: how much they hide of what a pixel sees. */
+/* The channel of clouds: how much of a pixel they hide. */
 #ifndef PL_ANNOTATE_CLOUD_MAP_H
 #define PL_ANNOTATE_CLOUD_MAP_H
 

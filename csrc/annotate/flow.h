@@ -1,4 +1,4 @@
-/* Motion of what is seen to another frame: optical flow, occlusion there, and scene flow.
+/* Motion of visible points to another frame: optical flow, occlusion there, and scene flow.
  *
  * The point that a pixel sees is carried with its surface (object, moving node, body), and
  * projected with the camera, lens and shutter of the other frame. Where nothing is hit, the

@@ -16,7 +16,8 @@ typedef struct pl_hiders {
 pl_status pl_hiders_build(const pl_snapshot *shot, const pl_outline *outlines, pl_arena *arena,
                           pl_hiders *out);
 
-/* Whether an object or body may hide a pixel of object `index`, see pl_outline_build. */
+/* Whether an object or body may hide a pixel of object `index`, see pl_outline_build. Adds to
+ * `steps` alone. */
 bool pl_hiders_any(pl_hiders *hiders, size_t index);
 
 #endif

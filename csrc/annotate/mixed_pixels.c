@@ -3,8 +3,8 @@
 #include <math.h>
 #include <string.h>
 
-/* Sides of the blocks that are looked at one after the other, pixels: of a tile, of a block of it,
- * of a pixel. With a lens that bends rays, the cone of a single pixel costs more than its rays. */
+/* Sides of the blocks that are tested in turn, pixels: a tile, a block in it, a pixel. With a lens
+ * that bends rays, the cone of a single pixel costs more than its rays. */
 static const int SIDES[] = {PL_TILE_SIDE, 8, 1};
 enum { LEVELS = sizeof SIDES / sizeof SIDES[0], LEVELS_BENT = LEVELS - 1 };
 

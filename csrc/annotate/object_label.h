@@ -51,7 +51,7 @@ void pl_extent_add(pl_extent *extents, size_t first_body, const pl_point *points
                    const int tile[4]);
 void pl_extent_merge(pl_extent *into, const pl_extent *from);
 
-/* `slot`: of a spacecraft, of a shape, whose label is that of its body, or of another body. */
+/* `slot`: of a spacecraft, a shape (its label is that of its body), or another body. */
 void pl_object_label_fill(const pl_snapshot *shot, size_t slot, const pl_extent *extent,
                           pl_object_label *out);
 

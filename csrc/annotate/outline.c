@@ -187,8 +187,7 @@ static void widen(pl_rect *all, pl_rect r) {
   all->y1 = first || r.y1 > all->y1 ? r.y1 : all->y1;
 }
 
-/* Replaces the rectangle by that of all clusters, which is smaller than that of the bounding
- * box. */
+/* Replaces the rectangle of the bounding box by the smaller one of all clusters. */
 static pl_status refine(const pl_camera *camera, pl_cluster_cache *cache, pl_outline *out) {
   PL_TRY(pl_cluster_cache_get(cache, out->model, &out->clusters));
   pl_rect all = nowhere;

@@ -34,8 +34,8 @@ typedef struct pl_sight {
   double deep_m;           /* how far it may lie behind its own surface */
 } pl_sight;
 
-/* From the coordinates of sights on one surface to those of a frame in the middle of its exposure.
- */
+/* Turns coordinates of sights on one surface into coordinates of a frame in the middle of its
+ * exposure. */
 typedef struct pl_carrier {
   pl_affine place; /* to camera-relative coordinates, root axes */
   pl_mat3 camera;  /* camera axes to root axes */

@@ -25,7 +25,7 @@ static void set_vertex(const pl_point *p, pl_vertex *out) {
   out->surface.ng = p->facet;
 }
 
-/* Vertices are shaded together, as those of a picture. */
+/* Vertices are shaded together, as in a picture. */
 void pl_write_albedo(const pl_label_run *run, void *pixels) {
   const pl_camera *camera = &run->shot->rays.camera;
   const float spread = (float)(1.0 / fmax(camera->fx, camera->fy));

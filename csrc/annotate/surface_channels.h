@@ -1,4 +1,4 @@
-/* Channels of what surfaces are made of. */
+/* Channels of the materials of surfaces. */
 #ifndef PL_ANNOTATE_SURFACE_CHANNELS_H
 #define PL_ANNOTATE_SURFACE_CHANNELS_H
 

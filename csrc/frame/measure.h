@@ -10,8 +10,8 @@
  * hits to the centre of the sun. One thread; of the request only the placement is used. */
 pl_status pl_measure_rays(const pl_scene *scene, const pl_placement *placement, int repeats,
                           pl_ray_times *primary, pl_ray_times *shadow);
-/* Renders the frame on one thread and times all rays that it cast at meshes and terrain again, with
- * those of metering and of sub-pixel bodies, as they were cast: to closest hits, and to lights. */
+/* Renders the frame on one thread, and casts its rays at meshes and terrain again to time them,
+ * metering and sub-pixel bodies included: rays to closest hits, and rays to lights. */
 pl_status pl_measure_frame(pl_renderer *renderer, const pl_frame_request *request, int repeats,
                            pl_ray_times *closest, pl_ray_times *shadow);
 /* Times all rays of a source, in the order of its beams, from where the camera of the placement is

@@ -83,9 +83,9 @@ static const size_t unmetered[] = {
     PL_EFFECT_INDEX_transmission, PL_EFFECT_INDEX_motion_blur,    PL_EFFECT_INDEX_rolling_shutter,
 };
 
-/* Plans the small image: what is left out changes nothing, whatever the exposure will be, which
- * is not known yet. Effects that the user forces on or off are metered as all others, so that the
- * exposure does not depend on them. */
+/* Plans the small image. The exposure is not known yet: only effects that change nothing at any
+ * exposure are left out. Effects that the user forces on or off are metered as all others, so that
+ * the exposure does not depend on them. */
 static pl_status plan_metering(pl_view view, pl_plan *out) {
   pl_plan_wish wish = {.tolerance_dn = 0.0};
   for (size_t i = 0; i < sizeof unmetered / sizeof unmetered[0]; i++)

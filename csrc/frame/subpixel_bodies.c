@@ -7,8 +7,8 @@
 /* Bodies of a smaller diameter are sub-pixel bodies. Above it, sixteen samples per pixel integrate
  * the light of a disc to within a few hundredths, and better for larger discs. */
 static const double DIAMETER_PX = 5.0;
-/* Side of the image, and the fraction of it that the body's bounding sphere fills. Counting its
- * pixels gives the area of a disc to 2e-3. */
+/* Side of the image, and the fraction that the body's bounding sphere fills. Counting its pixels
+ * gives the area of a disc to 2e-3. */
 enum { SIDE = 2 * PL_TILE_SIDE };
 static const double FILLED = 0.97;
 

@@ -11,9 +11,8 @@
 pl_status pl_subpixel_find(const pl_snapshot *shot, const pl_view *view, double tolerance_dn,
                            pl_arena *arena, const bool **out);
 
-/* Renders each of them in an image of its own and lists the light that it adds to pixels of the
- * frame in `sky`, so that the frame gets all the light that the body sends. Memory belongs to the
- * arena. */
+/* Renders each of them in an image of its own, and lists in `sky` what it adds to pixels of the
+ * frame. The frame so receives all the light of the body. Memory belongs to the arena. */
 pl_status pl_subpixel_render(const pl_instant *instant, pl_render_scratch *scratch, pl_arena *arena,
                              pl_cancel *cancel, pl_frame_sky *sky);
 

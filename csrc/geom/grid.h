@@ -25,8 +25,8 @@ const pl_grid_frame *pl_grid_frame_of(const pl_grid *grid);
 
 /* Writes the mean over a circle of diameter `size_rad` around a point, `channels` values, with
  * linear interpolation between cell centres and between levels. Beyond the north and south edges
- * the value is that of the edge, over a circle that grows with the distance from it, so that no
- * single cell is stretched to the pole. */
+ * the value is the mean of the edge over a circle, which grows with the distance: no single cell is
+ * stretched to the pole. */
 void pl_grid_sample(const pl_grid *grid, double lon_rad, double lat_rad, double size_rad,
                     float *out);
 /* Returns the mean of all cells (not weighted by latitude). */

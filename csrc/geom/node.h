@@ -1,4 +1,4 @@
-/* Nodes of a model: the hierarchy that places its meshes, kept so that parts of it can move.
+/* Nodes of a model: the hierarchy that places its meshes, by which its parts can move.
  *
  * Axes are the model's (z-up): a vector (x, y, z) in the axes of a node of the file is (x, -z, y)
  * here. Lengths are model units (geom/model.h), not mesh units. */

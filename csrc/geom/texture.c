@@ -284,8 +284,8 @@ static inline int whole_above(float x) {
   return whole + ((float)whole < x);
 }
 
-/* Texels as wide as the axis: almost free of aliasing, but their bilinear interpolation has three
- * times the variance of a box of that width. */
+/* Texels as wide as the axis: almost free of aliasing, but bilinear interpolation has three times
+ * the variance of a box of the same width. */
 static inline float level_smooth(float texels) { return texels > 1.0f ? log2_near(texels) : 0.0f; }
 static const kernel SMOOTH = {1.0f, level_smooth};
 

@@ -48,11 +48,11 @@ void pl_texture_destroy(pl_texture *texture);
 void pl_texture_sample(const pl_texture *texture, float u, float v, const float a[2],
                        const float b[2], pl_filter filter, float out[4]);
 
-/* As pl_texture_sample, but nearer to the exact mean over the footprint: for a footprint that is
- * read once and not averaged with its neighbours, such as that of a whole pixel. pl_texture_sample
- * blurs by more than the footprint, or not at all where that is one texel wide. Both are equal for
- * filters below PL_FILTER_TRILINEAR. The finest level that is read is that of a quarter of the
- * shorter axis. */
+/* As pl_texture_sample, but nearer to the exact mean over the footprint. For footprints that are
+ * read once and not averaged with neighbours, such as a whole pixel. pl_texture_sample blurs by
+ * more than the footprint, or not at all where that is one texel wide. Both are equal for filters
+ * below PL_FILTER_TRILINEAR. The finest level that is read is that of a quarter of the shorter
+ * axis. */
 void pl_texture_box(const pl_texture *texture, float u, float v, const float a[2], const float b[2],
                     pl_filter filter, float out[4]);
 

@@ -27,9 +27,9 @@ static inline pl_vec3f pl_basis_to_local(const pl_basis *basis, pl_vec3f v) {
                        pl_vec3f_dot(v, basis->n));
 }
 
-/* Lets a random number that draws a direction also choose how it is drawn, and stretches the part
- * of its range that is left to [0, 1): samples that are evenly distributed remain so within each
- * choice, which those of a choice by another number do not. Returns whether u is below `chance`. */
+/* Lets one random number choose a strategy and then draw a direction: the chosen part of its range
+ * is stretched to [0, 1). Evenly distributed samples remain so within each choice; with a second
+ * number for the choice they would not. Returns whether u is below `chance`. */
 static inline bool pl_sample_choose(float chance, float *u) {
   const bool below = *u < chance;
   const float from = below ? 0.0f : chance, wide = below ? chance : 1.0f - chance;

@@ -164,7 +164,7 @@ static pl_status relative_states(const pl_path *path, size_t times, const double
   return PL_OK;
 }
 
-/* Adds a node's relative states to those of its parent, which are known. */
+/* Adds a node's relative states to the known states of its parent. */
 static void place(const pl_tree *tree, size_t index, size_t times, const pl_tree_states *out) {
   const ptrdiff_t parent = tree->nodes[index].parent;
   for (size_t i = 0; i < times; i++) {

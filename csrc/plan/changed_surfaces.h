@@ -1,4 +1,4 @@
-/* Bound of what a pixel can change by when the normals, heights or shadows of some surfaces do. */
+/* Bound of the change of a pixel when normals, heights or shadows of some surfaces change. */
 #ifndef PL_PLAN_CHANGED_SURFACES_H
 #define PL_PLAN_CHANGED_SURFACES_H
 

@@ -1,4 +1,4 @@
-/* Interface of an effect: one row of the table of what can be simulated. */
+/* Interface of an effect: one row of the table of effects. */
 #ifndef PL_PLAN_EFFECT_H
 #define PL_PLAN_EFFECT_H
 

@@ -33,16 +33,15 @@ typedef struct pl_plan_wish {
 } pl_plan_wish;
 
 /* Spends the tolerance on what saves most time: bounds add linearly, since errors of a pixel may
- * all have one sign. Rows take turns by their cost over their bound, the most first, each at the
- * smallest value whose residual is within what is left of the tolerance. An effect that even its
- * ceiling leaves above that has its ceiling, and takes nothing: there is no finer value. Forcing an
- * effect on sets its ceiling.
- * Returns PL_E_ARGUMENT if an effect is forced both on and off. */
+ * all have one sign. Rows take turns, the greatest cost per bound first. Each takes the smallest
+ * value whose residual fits into the rest of the tolerance. An effect that even its ceiling leaves
+ * above that has its ceiling, and takes nothing: there is no finer value. Forcing an effect on sets
+ * its ceiling. Returns PL_E_ARGUMENT if an effect is forced both on and off. */
 pl_status pl_plan_solve(const pl_effect *const *effects, size_t count, const pl_view *view,
                         const pl_plan_wish *wish, pl_plan *out);
 
-/* Decides the row of one effect again, with a view in which more is known, by what the other rows
- * leave of the tolerance. */
+/* Decides the row of one effect again, with a view that knows more, within the tolerance that the
+ * other rows leave. */
 void pl_plan_solve_again(const pl_effect *effect, const pl_view *view, const pl_plan_wish *wish,
                          pl_plan *plan);
 

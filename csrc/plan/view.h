@@ -1,4 +1,4 @@
-/* Summary of what the camera sees in a frame, as plain data: the input of every effect's bound. */
+/* Summary of a frame's view as plain data: the input of every effect's bound. */
 #ifndef PL_PLAN_VIEW_H
 #define PL_PLAN_VIEW_H
 
@@ -188,8 +188,8 @@ double pl_view_transfer_most(const pl_view_entity *receiver, double factor);
 double pl_view_light(const pl_view_entity *source);
 /* The same as an upper bound, mirrors included: the sun's own radiance at most. */
 double pl_view_light_most(const pl_view *view, const pl_view_entity *source);
-/* Upper bound of what counts as its radiance at a receiver with pl_view_factor: from afar a mesh
- * sends no more than the sum of its facets. */
+/* Upper bound of its radiance at a receiver, for pl_view_factor: from afar a mesh sends no more
+ * than the sum of its facets. */
 double pl_view_light_at(const pl_view *view, const pl_view_entity *receiver,
                         const pl_view_entity *source);
 /* Upper bound of the radiance that `receiver` reflects of the light of volumes, W m-2 sr-1. */
@@ -204,8 +204,8 @@ pl_view_entity pl_view_ring_sphere(const pl_view_entity *body);
 /* Returns 1 + r + r^2 + ..., `bounces` terms, where r is the largest albedo in the scene: the gain
  * by interreflection. */
 double pl_view_series(const pl_view *view, int bounces);
-/* Returns how much a shell of that radius about a body that is out of view can affect the frame:
- * the part of its radiance that reaches objects there, 1 if it can shadow them, 0 if neither. */
+/* Returns how much a shell of this radius about a body outside the view can affect the frame: the
+ * fraction of its radiance that reaches objects in view, 1 if it can shadow them, else 0. */
 double pl_view_shell_share(const pl_view *view, const pl_view_entity *body, double radius_m);
 
 /* Upper bound of the radiance that entities[i] reflects of the light that all others reflect or

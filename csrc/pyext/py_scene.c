@@ -316,7 +316,7 @@ static const pl_graph **graphs_of(PyObject *tuple) {
   return graphs;
 }
 
-/* Replaces an object's graphs in the scene by those of a tuple, which is kept in place of the
+/* Replaces an object's graphs in the scene by a tuple of graphs, and keeps that instead of the
  * former one. Both are kept alive during the change, so that a failure leaves no borrowed graph
  * without an owner. */
 static int replace_graphs(scene_object *self, size_t index, PyObject *tuple,

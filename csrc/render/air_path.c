@@ -120,7 +120,7 @@ static pl_vec3f ratios(pl_vec3f a, pl_vec3f b) {
 }
 
 /* Scales the block's light up to a medium to a pixel. About half of the air is assumed to lie
- * before the medium, so that its optical depth changes by half as much as that of the whole ray. */
+ * before the medium: its optical depth changes by half as much as along the whole ray. */
 static pl_air_light light_of_block(const pl_air_block *block, const pl_air_light *whole) {
   const pl_vec3f dims = ratios(whole->transmitted, block->whole.transmitted);
   const pl_vec3f half = pl_vec3f_make(sqrtf(dims.x), sqrtf(dims.y), sqrtf(dims.z));

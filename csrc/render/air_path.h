@@ -99,7 +99,7 @@ bool pl_air_alone(const struct pl_path_context *context, uint32_t pixel, pl_vec3
 void pl_air_apply(const struct pl_path_context *context, int bounce, size_t count,
                   struct pl_tile_buffers *buffers);
 /* The same along ray i of the wave, with the media that it crosses: their light is added, and they
- * attenuate what is beyond. */
+ * attenuate the light from beyond. */
 void pl_air_pass(const struct pl_path_context *context, int bounce, size_t i,
                  const struct pl_medium_list *list, struct pl_tile_buffers *buffers);
 /* Transmittance of the air from a point in a unit direction (towards the sun), 0..1. */

@@ -10,9 +10,9 @@
 
 enum { WHOLE = 16, LEAST = 4 };  /* sides of squares, in pixels */
 static const float SHARE = 0.5f; /* largest error, as a part of the noise that samples may leave */
-/* Factor by which the mean of a pixel's corners may be off at its centre. The mean of the two by
- * Simpson's rule is then off by at most a fortieth of that, for air whose density falls by e^3
- * across the pixel. */
+/* Factor by which the mean of a pixel's corners may be off at its centre. Their mean by Simpson's
+ * rule is then off by at most a fortieth of this difference, if the density falls by e^3 across the
+ * pixel. */
 static const float SIMPSON = 10.0f;
 /* Errors of the reflected light are weighed against the darkest level that the ground may have:
  * that of this albedo. */

@@ -36,8 +36,8 @@ static double return_of(const pl_view *view, const pl_view_entity *entity) {
   return fmin(1.0, sum);
 }
 
-/* Upper bound of what paths of more than `value` bounces add: each bounce retains at most the
- * largest return, which gives a geometric series. Paths on bodies have one more bounce from the row
+/* Upper bound of the light of paths with more than `value` bounces: a geometric series, as each
+ * bounce keeps at most the largest return. Paths on bodies have one more bounce from the row
  * `body_bounces`. */
 static double bound_dn(const pl_view *view, int value) {
   double largest = 0.0, light = 0.0, radiance = 0.0, volumes = 0.0;

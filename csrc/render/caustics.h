@@ -13,7 +13,7 @@
 #include "math/sampling.h"
 #include "render/vertex.h"
 
-/* Number of mirrors of a frame, and of those that are sampled from one point. */
+/* Number of mirrors of a frame, and number that one point samples. */
 enum { PL_CAUSTIC_MIRRORS = 24, PL_CAUSTIC_DRAWS = 6 };
 
 /* BSDF sampling finds the sun often enough in rougher lobes; measured with benchmarks/caustics.py.

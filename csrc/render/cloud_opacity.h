@@ -1,4 +1,4 @@
-/* How much clouds hide of what lies behind them, for labels. */
+/* Opacity of clouds, for labels. */
 #ifndef PL_RENDER_CLOUD_OPACITY_H
 #define PL_RENDER_CLOUD_OPACITY_H
 

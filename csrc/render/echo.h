@@ -22,9 +22,9 @@ typedef struct pl_echo_ray {
 
 typedef struct pl_echo {
   double range_m; /* length of the way to the surface */
-  /* Power that returns over that from a white Lambert surface that faces the sensor at the same
-   * range: pi times the BRDF for light that returns the way it came, times the cosine, and what
-   * mirrors and walls left on both ways */
+  /* Returned power relative to a white Lambert surface that faces the sensor at the same range: pi
+   * times the BRDF in the direction of incidence, times the cosine, times the losses at mirrors and
+   * walls on both ways */
   float reflectance;
   float incidence_rad; /* to the shading normal */
   uint32_t index;      /* of its ray */

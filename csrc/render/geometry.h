@@ -48,8 +48,8 @@ typedef struct pl_geometry_kind {
    * is NULL otherwise. */
   void (*shade_run)(const pl_snapshot *shot, pl_detail detail, const pl_vertex_view *run,
                     size_t count);
-  /* Changes the geometric normal of a shaded vertex, on the viewer's side, to that of the surface
-   * which secondary rays leave; NULL if they leave the surface itself. */
+  /* Replaces the geometric normal of a shaded vertex, on the viewer's side, by the normal of the
+   * surface that secondary rays leave; NULL if they leave the surface itself. */
   void (*set_horizon)(const pl_snapshot *shot, pl_vertex *vertex);
   /* Sets the origin of a secondary ray and what it cannot hit. `side`: 1 to the viewer's side, else
    * -1. */

@@ -13,9 +13,8 @@ bool pl_ground_tints(const pl_shot_body *body);
 /* Blends a coloured Lambert surface with water where the map has water. */
 void pl_ground_flood(const pl_shot_body *body, const pl_body_place *place, pl_detail detail,
                      pl_surface *surface);
-/* Adds the city lights of a body that has them to the emission where the sun is down: all of them
- * if the sun's centre is 6 deg or more below the horizon, as at the end of civil twilight, and none
- * while its centre is above. */
+/* Adds the city lights of a body to the emission where the sun is down: all of them from 6 deg
+ * below the horizon on (the end of civil twilight), none while the sun's centre is above. */
 void pl_ground_light(const pl_shot_body *body, const pl_shot_sun *sun, const pl_body_place *place,
                      pl_detail detail, pl_vertex *vertex);
 

@@ -209,8 +209,8 @@ static float noise_of(const ring *sum, float assumed, float scattered) {
 
 /* One-way analysis of variance, pixels as groups of unequal size (Searle, Casella and McCulloch
  * 1992, Variance Components, 3.6): the variance of the pixels' means beyond the noise of their
- * paths is that of the true values. With more paths the noise tends to that of the filter's own
- * cell, which is lower in dark corners. */
+ * paths is that of the true values. With more paths the noise tends to the noise of the filter's
+ * own cell, which is lower in dark corners. */
 static scatter scatter_of(const filter *filter, int most) {
   const ring sum = sum_rings(filter, most);
   const float light = pl_luminance(sum.filtered), weight = pl_luminance(sum.weight);

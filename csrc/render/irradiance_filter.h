@@ -1,4 +1,4 @@
-/* Filters of the light that is shared between pixels, see irradiance_record.h. */
+/* The irradiance filter: means over neighbouring pixels of the light in irradiance_record.h. */
 #ifndef PL_RENDER_IRRADIANCE_FILTER_H
 #define PL_RENDER_IRRADIANCE_FILTER_H
 

@@ -43,7 +43,7 @@ static bool is_isolated(const pl_path_context *context, const pl_tile_buffers *b
   return alike < ALIKE;
 }
 
-/* Whether a path that continues into a wide lobe is one of those that are followed. */
+/* Whether a path into a wide lobe is followed. */
 static bool is_turn(const pl_path_context *context, const pl_tile_buffers *b, uint32_t pixel,
                     const pl_patch *patch) {
   const int turn = b->counts[pixel] % PL_IRRADIANCE_ROW;

@@ -473,7 +473,7 @@ static size_t shade_wave(const pl_path_context *context, uint32_t index, int bou
   return kept;
 }
 
-/* Adds the sample of a pixel to the sums of its patch, or to those of the pixel if it has none. */
+/* Adds the sample of a pixel to the sums of its patch, or of the pixel if it has no patch. */
 static void gather_pixel(uint32_t pixel, pl_tile_buffers *b) {
   const uint32_t slot = b->slot[pixel];
   const pl_vec3f sample = b->sample[pixel], filtered = b->filtered[pixel];

@@ -116,8 +116,8 @@ static inline pl_vec3f *pl_path_sink(pl_tile_buffers *buffers, uint32_t pixel, b
   return filtered ? &buffers->filtered[pixel] : &buffers->sample[pixel];
 }
 
-/* Whether a path that leaves its first surface is to be followed. Marks it as filtered if it
- * continued into a wide lobe. */
+/* Decides whether a path is followed from its first surface, and returns that. Changes `next`: it
+ * is marked as filtered if it continued into a wide lobe. */
 bool pl_path_follow(const pl_path_context *context, const pl_vertex *vertex, pl_path *next,
                     pl_tile_buffers *buffers);
 
@@ -149,8 +149,8 @@ float pl_path_error_dn(const pl_render_settings *settings, float mean, float err
 /* Removes the pixels for which one sample is enough from the active list. */
 void pl_path_drop_single(pl_tile_buffers *buffers);
 
-/* Number of samples of a pixel that the sun's limb crosses, if noise is allowed at all: the disc is
- * so bright that a thousandth of it in a pixel is white. */
+/* Number of samples of a pixel on the sun's limb, if noise is allowed at all. The disc is so bright
+ * that a thousandth of it makes a pixel white. */
 enum { PL_SUN_LIMB_SAMPLES = 1024 };
 /* True if the sun's limb may cross the pixel. */
 bool pl_path_on_limb(const pl_path_context *context, uint32_t pixel);

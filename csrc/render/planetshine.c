@@ -15,8 +15,8 @@ static const float SOIL = 0.15f, GRAPH = 0.3f;
 /* Assumed fraction of the sun's light that a mesh gets by way of itself and other meshes. It
  * reserves paths for that light. Bodies are convex and get little of it. */
 static const float BY_MESHES = 0.02f;
-/* If a surface reflects less than this fraction of what a white diffuse surface would reflect of a
- * body's light, the body is outside its glossy lobe, which then reflects other light. */
+/* A surface that reflects less of a body's light than this fraction of a white diffuse surface has
+ * the body outside its glossy lobe, which then reflects other light. */
 static const float GLOSS = 0.02f;
 /* Minimum fraction of paths that the lobe draws: meshes light each other. Below FRACTION_MIN bodies
  * would get so few paths that sampling them is not worth its cost, and the lobe draws all. */
@@ -284,9 +284,9 @@ static guess guess_at(const pl_planetshine_light *light, const pl_surface *s, pl
   return out;
 }
 
-/* Sums over the bodies that a vertex sees: reflected light of those that are sampled, the fraction
- * of the lobe's draws that hit them, the sum of their GLOSS thresholds, and the reflected light of
- * wide bodies. */
+/* Sums over the bodies that a vertex sees. Over the sampled ones: their reflected light, the
+ * fraction of the lobe's draws that hit them, and their GLOSS thresholds. Over wide bodies: their
+ * reflected light. */
 typedef struct sums {
   float light, met, gloss, wide;
 } sums;
@@ -344,7 +344,8 @@ static float share_bodies(const pl_planetshine *p, const pl_vertex *vertex, pl_v
   return all;
 }
 
-/* Takes the fraction for mirrors from that of bodies and of the lobe; `known`: light of bodies. */
+/* Takes the fraction for mirrors from the fractions of bodies and lobe; `known`: light of bodies.
+ */
 static void share_mirrors(const pl_caustics *caustics, const pl_vertex *vertex, pl_vec3f wo,
                           float known, pl_planetshine_ray *out) {
   const float light = pl_caustics_at(caustics, vertex, wo, &out->mirrors);

@@ -374,7 +374,7 @@ static void reached(double at, double reach, int first, int count, int range[2])
   range[1] = (int)fmax(0.0, fmin(count, ceil(at + reach) + 1.0 - first));
 }
 
-/* Marks the pixels in which a narrow body may be in front of what their centres hit. */
+/* Marks the pixels where a narrow body may be in front of the hit of the centre. */
 static void find_narrow(const pl_path_context *context, pl_tile_buffers *b) {
   const pl_snapshot *shot = context->shot;
   memset(b->narrow, 0, sizeof b->narrow);

@@ -13,7 +13,7 @@ void pl_record_pool_reset(pl_record_pool *pool) {
   pool->block = pool->used = pool->kept = pool->most = 0;
 }
 
-/* Blocks are not zeroed: the system gives no memory to what is never written. */
+/* Blocks are not zeroed: the system gives no memory to pages that are never written. */
 static pl_status add_block(pl_record_pool *pool) {
   if (pool->count == pool->room) {
     const size_t room = 2 * pool->room + 8;

@@ -10,7 +10,7 @@
 pl_status pl_reflectance_lod_fit(const pl_snapshot *shot, pl_detail detail, pl_arena *arena,
                                  pl_view *view);
 
-/* Replaces the law of a shaded vertex that the camera sees by that of the settings. Leaves out
+/* Replaces the reflectance law of a shaded vertex in view by the law of the settings. Leaves out
  * bodies that others light, because that light arrives at other angles than those measured. */
 void pl_reflectance_lod_apply(const pl_snapshot *shot, const pl_render_settings *settings,
                               pl_vertex *vertex);

@@ -25,8 +25,7 @@ bool pl_path_share(const pl_path_context *context, pl_tile_buffers *b) {
   return any;
 }
 
-/* Sets the active pixels to those of `all` that have sample j in the slice; those with meshes stay
- * first. */
+/* Makes active the pixels of `all` with sample j in the slice; those with meshes stay first. */
 static void choose(const pl_path_context *context, const uint32_t *all, size_t count, size_t meshes,
                    int j, pl_tile_buffers *b) {
   b->active_count = b->active_meshes = 0;

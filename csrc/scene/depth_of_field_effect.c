@@ -12,9 +12,8 @@ static const char *absent(const pl_view *view) {
   return view->defocus_px < SHARP_PX ? "no blur is as wide as a tenth of a pixel" : NULL;
 }
 
-/* Light arrives through points of the aperture that see the image shifted by up to half the
- * diameter of the circle of confusion, uniformly over its disc: the mean shift is two thirds of
- * that. */
+/* Each point of the aperture sees the image shifted. Shifts are uniform over the disc of the circle
+ * of confusion: their mean is two thirds of its radius. */
 static double bound_dn(const pl_view *view, int value) {
   return value > 0 ? 0.0 : pl_view_dn_shift(view, view->defocus_px / 3.0);
 }

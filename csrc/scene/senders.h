@@ -1,5 +1,5 @@
-/* Bounds of the light that others throw onto a body, point by point: mirrors light small parts of
- * it at most, so that the rest need not be sampled. */
+/* Bounds of the light that other entities throw onto a body, point by point. Mirrors light small
+ * parts of it at most: the rest need not be sampled. */
 #ifndef PL_SCENE_SENDERS_H
 #define PL_SCENE_SENDERS_H
 

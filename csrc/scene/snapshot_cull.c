@@ -25,8 +25,8 @@ static bool reflects(const pl_view_entity *seen, bool several, void *context) {
 }
 
 /* Returns whether the shadow of `entity` on `source` removes more than the tolerance from the light
- * that `source` sends to entities in the frame. The removed light is bounded by that of a source of
- * the shadow's size anywhere on `source`. */
+ * that `source` sends to entities in the frame. The bound of that: the light of a source
+ * of the shadow's size anywhere on `source`. */
 static bool dims(const pl_view_entity *seen, bool several, void *context) {
   const query *q = context;
   (void)several;

@@ -10,8 +10,8 @@ static float light_of(const pl_sensor_frame *frame, size_t i) {
   return pl_minf(sum / 3.0f, 1e30f); /* the sun may be brighter than any number */
 }
 
-/* Before ghosts: the light itself. After them: the part of it that is the pixel's own. After
- * vignetting: the light that is its own. After the point-spread function: glare. */
+/* Before ghosts: the light itself. After them: the pixel's own part. After vignetting: the light
+ * that is its own. After the point-spread function: glare. */
 void pl_glare_follow(pl_sensor_frame *frame, const pl_sensor_stage *stage) {
   const size_t count = (size_t)frame->width * (size_t)frame->height;
   float *glare = frame->glare;

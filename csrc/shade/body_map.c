@@ -6,9 +6,9 @@
 static const float POLAR_TURN = 0.125f;
 enum { PARTS = 4, TAPS = 16 }; /* PARTS: per side of the footprint, PL_BODY_MAP_PARTS in all */
 
-/* Limits the extent of a part along a row to what TAPS reads cover without a coarser mip level,
- * which would mix in rows outside the footprint. The other parts cover the other longitudes around
- * the pole. */
+/* Limits the extent of a part along a row to the length that TAPS reads cover: a coarser mip level
+ * would mix in rows outside the footprint. The other parts cover the other longitudes around the
+ * pole. */
 static void shorten(const pl_texture *map, float a[2], float b[2]) {
   int width, height, channels;
   pl_texture_size(map, &width, &height, &channels);

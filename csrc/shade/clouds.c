@@ -135,8 +135,8 @@ static pl_fractal noise_of(const pl_cloud_cover *cover) {
                       .seed = cover->clouds->seed};
 }
 
-/* What footprints hide of the noise in each lane: its variance, and the squared error that is left,
- * relative to that of an octave. */
+/* Noise below the footprint in each lane: its variance, and the squared error that remains,
+ * relative to one octave. */
 PL_WIDE static void find_hidden(const pl_cloud_cover *cover, const float *restrict width,
                                 float *restrict lost, float *restrict uneven) {
   float frequency = 1.0f;
@@ -154,8 +154,8 @@ PL_WIDE static void find_hidden(const pl_cloud_cover *cover, const float *restri
   }
 }
 
-/* Cover for a mean cover of `mean`, where the noise that is resolved has a value, and what is
- * hidden is that of find_hidden. */
+/* Cover for a mean cover of `mean`, from the value of the resolved noise; find_hidden gives the
+ * noise below the footprint. */
 static broken break_cover(const pl_cloud_cover *cover, float mean, float lost, float uneven,
                           const pl_fractal_value *seen, unsigned wants) {
   const pl_clouds *clouds = cover->clouds;

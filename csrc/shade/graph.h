@@ -88,7 +88,7 @@ size_t pl_graph_parameter_count(const pl_graph *graph);
 size_t pl_graph_instruction_count(const pl_graph *graph);
 
 #define PL_EMISSION_MAX 1e30 /* W m-2 sr-1: also stands for an unknown bound */
-/* Extends a model's bounds by those of a graph that is assigned to it. */
+/* Extends a model's bounds by the bounds of a graph that is assigned to it. */
 void pl_graph_summarise(const pl_graph *graph, pl_model_summary *summary);
 
 #endif

@@ -449,7 +449,7 @@ static float pdf(const pl_surface *s, pl_vec3f wo, pl_vec3f wi) {
   return density_of(&v, wo, wi);
 }
 
-/* Lobe that a random number selects, which is stretched to what it is within the lobe's part. */
+/* Selects a lobe by a random number, and stretches the number to [0, 1) within the lobe's part. */
 static int choose(const view *v, float *u) {
   int last = MIRROR;
   float left = 1.0f;

@@ -12,7 +12,7 @@
  * reflectance of the ground.
  *
  * `evaluate` of a model has facets; `sample` knows the mean surface alone: facets hardly change
- * light that comes from many sides, as that of other ground. */
+ * light that comes from many sides, as from other ground. */
 #ifndef PL_SHADE_ROUGH_H
 #define PL_SHADE_ROUGH_H
 

@@ -21,10 +21,10 @@ static inline float pl_water_bound_alpha(float wind_m_s) {
 }
 
 /* Not in the table: set where a map of water applies. Reads color, alpha (of slopes, as above),
- * water (the part of the ground that is open water) and below (the part of the colour that comes
- * from that water). Gaussian slopes (Beckmann) with Smith's shadowing, Fresnel's law for an index
- * of 1.34 (sea water in the visible; Quan and Fry 1995: 1.33..1.35); light from below the surface
- * is Lambertian, less what the surface reflects on the way in and out. */
+ * water (the fraction of the ground under open water) and below (the fraction of the colour that
+ * the water itself sends). Gaussian slopes (Beckmann) with Smith's shadowing, Fresnel's law for an
+ * index of 1.34 (sea water in the visible; Quan and Fry 1995: 1.33..1.35); light from below the
+ * surface is Lambertian, less what the surface reflects on the way in and out. */
 extern const pl_reflectance pl_reflectance_water;
 
 #endif

@@ -40,8 +40,8 @@ typedef struct pl_crater_query {
   double angle_rad, reach, min_m, max_m;
 } pl_crater_query;
 
-/* Greatest age (Ga) of the craters of a size that are drawn: that of the law, and of what is not
- * yet worn down to less than what is counted. */
+/* Greatest age (Ga) of the drawn craters of a size: the law's, or the age at which they are worn
+ * below the counted depth. */
 double pl_crater_oldest_drawn_ga(const pl_crater_frame *frame, double diameter_m);
 
 typedef pl_status (*pl_crater_visit_fn)(void *context, const pl_scatter_site *site);

@@ -35,9 +35,9 @@ double pl_crater_complex(double diameter_m);
 /* Time of diffusion over R^2/diffusivity. Diffusivity (m^2 per Myr) grows as D^exponent from its
  * value at 1 km: Fassett and Thomson (2014, 2015) have 5.5 and 0.9. */
 double pl_crater_tau(double diameter_m, double age_ga, double diffusivity_1km, double exponent);
-/* Greatest tau of what laws count as craters. Ages that are uniform up to it have the classes of
- * degradation of Basilevsky (1976), as in NASA SLS-SPEC-159: half are shallower than a third of
- * a fresh crater, a fifth deeper than two thirds. */
+/* Greatest tau of a crater that laws count. Ages that are uniform up to it have the classes of
+ * degradation of Basilevsky (1976), as in NASA SLS-SPEC-159: half are shallower than a third of a
+ * fresh crater, a fifth deeper than two thirds. */
 #define PL_CRATER_TAU_COUNTED 0.24
 
 /* Shapes of craters by tau; immutable, so that threads can share it. */

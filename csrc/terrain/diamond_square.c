@@ -45,7 +45,7 @@ static void set_levels(const pl_terrain_detail *law, double cell_m, pl_diamond_s
   }
 }
 
-/* The widest cells have the greatest variance, in units of what is across them. */
+/* The widest cells have the greatest variance, relative to their width. */
 static double bound_m(const pl_diamond_square *of, const pl_diamond_weights *weights) {
   double low, high, variance = 0.0;
   pl_raster_bounds(of->raster, PL_INTERPOLATION_BILINEAR, &low, &high);

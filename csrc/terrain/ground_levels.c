@@ -4,8 +4,8 @@
 #include "terrain/cube.h"
 #include "terrain/ground_distance.h"
 
-/* Cells of a tile are halved if they are wider than ROUNDING of what is wanted at the near side of
- * the sphere around it, of at most REACH cells (pl_ground_tile_need_split). */
+/* Cells of a tile are halved if they are wider than ROUNDING times the width wanted at the near
+ * side of the sphere around it, of at most REACH cells (pl_ground_tile_need_split). */
 #define ROUNDING 1.41421356237309505
 #define REACH 48.0
 

@@ -49,8 +49,8 @@ double pl_clods_cover(const pl_clods *of) {
   return a * (pow(of->max_m, 2.0 - b) - pow(of->min_m, 2.0 - b)) / (2.0 - b);
 }
 
-/* Draws clod n: its diameter by the law, cut off at both ends. Heights over widths of Apollo's
- * small fragments scatter as those of rocks do; parts below the soil leave 0.15 to 0.4. */
+/* Draws clod n: its diameter by the law, cut off at both ends. Ratios of height to width scatter
+ * for Apollo's small fragments as for rocks; parts below the soil leave 0.15 to 0.4. */
 static clod draw(const pl_clods *of, uint64_t n) {
   pl_philox_stream s = {.key = {of->seed ^ UINT64_C(0x636c6f6473), n}};
   const double least = law(of, of->max_m), all = law(of, of->min_m);

@@ -1,6 +1,6 @@
 /* Samples of ground for its textures (terrain/ground_texture.h), made instead of photographed:
- * clods on soil, and mottling of the albedo. Squares of pixels, row by row; pure functions of what
- * is given. */
+ * clods on soil, and mottling of the albedo. Squares of pixels, row by row; pure functions of their
+ * arguments. */
 #ifndef PL_TERRAIN_GROUND_SAMPLE_H
 #define PL_TERRAIN_GROUND_SAMPLE_H
 
@@ -9,7 +9,7 @@
 #include "base/status.h"
 
 enum { PL_GROUND_SAMPLE_LEAST = 16, PL_GROUND_SAMPLE_MOST = 4096 };
-/* Most clods of a sample, and the greatest share of it that their outlines may sum to. */
+/* Most clods of a sample, and the greatest fraction of it under their outlines. */
 #define PL_CLODS_MOST 1e6
 #define PL_CLODS_COVER_MOST 0.5
 

@@ -303,9 +303,9 @@ static laid_place place_of(int k, double wide, double high) {
                       turn, b[0] * b[0] * b[0] * b[0] / squares};
 }
 
-/* Variance of slopes of laid heights at cells of a level, by differences as those of
- * pl_ground_texture_slope: that of the image's, and that of weights which change across heights.
- * Patches do not know each other, and squares of weights sum to 1: products of both cancel. */
+/* Variance of slopes of laid heights at cells of a level, by the differences of
+ * pl_ground_texture_slope: slopes of the image, and of weights that change across heights. Patches
+ * do not know each other, and squares of weights sum to 1: products of both cancel. */
 static double measure(const pl_ground_texture *texture, int level) {
   enum { POINTS = 4096 };
   const double size_m = texture->size_m, edge = edge_m(texture), aspect = tall(texture->heights);

@@ -2,8 +2,7 @@
  *
  * A quadtree on each face of the cube is refined until the cells of each tile are as small as the
  * frame asks. Neighbours, diagonally and across edges of the cube, too, differ by at most one
- * level. Of the levels, the one nearest to what is asked is taken: cells are between 0.7 and 1.4
- * times as wide.
+ * level. The level nearest to the wanted width is taken: cells are 0.7 to 1.4 times as wide.
  *
  * - Seen ground: a cell covers the area of a pixel, divided by the square of cells_per_pixel. A
  *   cell of width c at a distance d, seen at an elevation e above the ground, covers (c / d)^2 sin

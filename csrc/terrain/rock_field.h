@@ -24,7 +24,7 @@
 /* The ground passes through a rock within this part of the way from its middle to its outline. */
 #define PL_ROCK_CONTACT 0.5
 
-/* Tiles of ground show rocks of so many of their cells or more. */
+/* Least size of the rocks that tiles of ground show, in cells. */
 #define PL_ROCK_CELLS 2.0
 
 /* Blocks about fresh craters (terrain/crater_blocks.h): more rocks of the same law. */

@@ -27,9 +27,9 @@ pl_sub_cell pl_terrain_sub_cell(const pl_terrain *terrain, pl_vec3 direction, in
  * of detail and craters. */
 double pl_terrain_slope_variance(const pl_terrain *terrain, double cell_m);
 
-/* Returns what is left of Hapke's macroscopic roughness for slopes finer than all detail: the
- * terrain has those of detail and craters below roughness_baseline_m itself, as geometry or as
- * variance. */
+/* Returns the part of Hapke's macroscopic roughness that slopes finer than all detail have. Slopes
+ * of detail and craters below roughness_baseline_m are taken off: the terrain has them itself, as
+ * geometry or as variance. */
 double pl_terrain_roughness_left(const pl_terrain *terrain, double roughness_rad);
 
 #endif

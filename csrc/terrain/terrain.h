@@ -143,8 +143,8 @@ pl_status pl_terrain_craters(const pl_terrain *terrain, pl_vec3 direction, doubl
 /* Lists the craters with blocks within an angle of a direction, as pl_crater_sources. */
 pl_status pl_terrain_sources(const pl_terrain *terrain, const pl_crater_blocks *blocks,
                              pl_vec3 axis, double angle_rad, pl_crater_source **out, size_t *count);
-/* Writes the excess of brightness of rays (terrain/crater_rays.h) in unit directions, of what the
- * lattice of a level resolves; 0 without them. */
+/* Writes the excess of brightness of rays (terrain/crater_rays.h) in unit directions, as resolved
+ * by the lattice of a level; 0 without them. */
 pl_status pl_terrain_rays(const pl_terrain *terrain, const pl_vec3 *directions, size_t count,
                           int level, float *out);
 /* Returns by how much rays brighten fresh ground, over 1; 0 without rays. */

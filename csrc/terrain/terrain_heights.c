@@ -171,7 +171,7 @@ static int pyramid_level(const work *w, const pl_layer *layer) {
   return posts > 1.0 ? (int)floor(log2(posts) + 0.25) : 0;
 }
 
-/* Sets the layer's sums to what is added to its interpolated posts. */
+/* Sets the layer's sums to the heights above its interpolated posts. */
 static void set_added(work *w, layer_strip *at) {
   const pl_layer *layer = &w->terrain->layers[at->layer];
   double posts_m[STRIP];

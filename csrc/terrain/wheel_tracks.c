@@ -259,8 +259,8 @@ static double shared(double half, double at, double reach) {
 
 typedef double (*spot_fn)(const path *of, const spot *at, double width_m);
 
-/* The least or greatest of `start` and of what `value` returns for all places of a direction, as
- * far as `more_m` beside the ruts. */
+/* The least or greatest of `start` and the results of `value` at all places of a direction, up to
+ * `more_m` beside the ruts. */
 static double extreme(const pl_wheel_tracks *tracks, pl_vec3 direction, double more_m, bool least,
                       double start, spot_fn value) {
   double out = start;

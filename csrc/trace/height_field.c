@@ -165,8 +165,8 @@ static pl_status build_scene(const build *build, const pl_ground_tile_id *ids,
   return pl_accelerator_check(kept, "building the ground");
 }
 
-/* Sets the spheres and the origin. This is that of a finest tile, of these the nearest to the eye:
- * there, sums of floats must be finest. */
+/* Sets the spheres and the origin. It belongs to the finest tile that is nearest to the eye: sums
+ * of floats must be finest there. */
 static void measure(pl_height_field *field, pl_vec3 eye) {
   double nearest = INFINITY;
   int level = -1;

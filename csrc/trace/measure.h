@@ -1,4 +1,4 @@
-/* Compares the tracer's speed with that of raw Embree calls: for benchmarks/rays.py. */
+/* Compares the speed of the tracer with raw Embree calls: for benchmarks/rays.py. */
 #ifndef PL_TRACE_MEASURE_H
 #define PL_TRACE_MEASURE_H
 

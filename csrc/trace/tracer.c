@@ -45,8 +45,8 @@ static bool is_left(const visit *visit, const struct RTCFilterFunctionNArguments
          0.0f;
 }
 
-/* Returns whether ray `i` starts on one of two back-to-back sheets and meets the other, which
- * rounding may have put in front of it within a distance of `hair`. */
+/* Returns whether ray `i` starts on one of two back-to-back sheets and meets the other. Rounding
+ * may put that in front of the first, by up to `hair`. */
 static bool is_between(const pl_instance *instance, const pl_ray *ray,
                        const struct RTCFilterFunctionNArguments *arguments, unsigned i,
                        uint32_t triangle) {
