@@ -110,11 +110,13 @@ def test_plan_as_json_and_as_table(small_scene):
     assert document["spent_dn"] == sum(row["spent_dn"] for row in rows)
     code, text, _ = run("plan", small_scene, "--frame", 1)
     assert code == 0
-    head, *lines, told = text.splitlines()
+    head, *lines, told, quality = text.splitlines()
     assert [line.split()[0] for line in lines] == [row["name"] for row in rows]
     column = head.index("reason")
     assert all(line[column:] == row["reason"] for line, row in zip(lines, rows, strict=True))
     assert told == rows.text
+    assert document["quality"] == "adaptive"
+    assert quality.startswith("quality: adaptive (")
 
 
 def test_plan_measures(small_scene):
