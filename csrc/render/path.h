@@ -101,7 +101,7 @@ void pl_path_sample(const pl_path_context *context, uint32_t index, pl_tile_buff
 
 /* For a slice: counts the samples of each pixel that fall in its instant; false if the tile has
  * none. */
-bool pl_path_share(const pl_path_context *context, pl_tile_buffers *buffers);
+bool pl_path_count_slice(const pl_path_context *context, pl_tile_buffers *buffers);
 /* For a slice, after pl_path_prefilter: renders these samples. `radiance` becomes their
  * contribution to the pixels' means. */
 void pl_path_slice(const pl_path_context *context, pl_tile_buffers *buffers);

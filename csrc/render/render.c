@@ -300,7 +300,7 @@ static void fill_slice_points(const job *job, pl_tile tile, const content *conte
 static void sample_slice(const job *job, pl_tile tile, const content *content, pl_tile_buffers *b) {
   const pl_path_context context = context_of(job, tile, content);
   draw_seeds(job, tile, b->seeds);
-  if (!pl_path_share(&context, b))
+  if (!pl_path_count_slice(&context, b))
     return;
   if (job->settings->air != NULL)
     pl_air_prepare(&context, b);

@@ -8,7 +8,7 @@ static bool is_of(const pl_path_context *context, int y, uint32_t seed, int samp
                       context->settings->samples);
 }
 
-bool pl_path_share(const pl_path_context *context, pl_tile_buffers *b) {
+bool pl_path_count_slice(const pl_path_context *context, pl_tile_buffers *b) {
   bool any = false;
   for (int y = 0; y < context->tile.height; y++) {
     int range[2];
