@@ -15,13 +15,15 @@ float *pl_cloud_map_find(void *const *channels) {
 static void write_row(const pl_snapshot *shot, const pl_tile_result *result, int y, float *out) {
   const pl_camera *camera = &shot->rays.camera;
   pl_vec3 directions[PL_TILE_SIDE];
+  double rows[3][PL_TILE_SIDE];
   double t_max[PL_TILE_SIDE];
   float passed[PL_TILE_SIDE];
   const size_t count = (size_t)result->tile.width;
+  pl_snapshot_rays(shot, result->tile.x0, result->tile.y0 + y, count, rows[0], rows[1], rows[2]);
   for (size_t x = 0; x < count; x++) {
     const pl_point *point = result->empty ? NULL : &result->points[(size_t)(y * PL_TILE_SIDE) + x];
     const bool hit = point != NULL && !pl_surface_is_none(point->surface_id);
-    directions[x] = pl_snapshot_ray(shot, result->tile.x0 + (double)x, result->tile.y0 + y);
+    directions[x] = (pl_vec3){rows[0][x], rows[1][x], rows[2][x]};
     t_max[x] = hit ? point->t : INFINITY;
     passed[x] = 1.0f;
   }

@@ -140,7 +140,8 @@ class Config(Strict):
         for section, names in sections.items():
             for name in names:
                 if not _NAME.fullmatch(name):
-                    fail(f"{section}.{name}", "a name is letters, digits, _ and -, no digit first")
+                    text = "a name is letters a to z, digits, _ and -, no digit first"
+                    fail(f"{section}.{name}", text)
         for name in self.spacecraft:
             if name in self.bodies:
                 fail(f"spacecraft.{name}", "a body has the same name")

@@ -217,3 +217,20 @@ def test_a_driver_of_the_model_is_refused(tmp_path):
     sim = perilune.open(world, overrides=SIZE)
     with pytest.raises(ConfigError, match=r"bodies\.rock\.radii_km: has a driver, but models of a"):
         write("bop", sim, range(1), tmp_path / "out")
+
+
+def test_relief_between_the_cells_of_a_model_is_no_finding(tmp_path):
+    """The model's cells are up to 1/20 of the body: ground between them stands out of its box."""
+    scene = asteroid(tmp_path, "terrain")
+    scene["bodies"]["rock"] |= {
+        "radii_km": [0.5, 0.35, 0.3],
+        "terrain": {"detail": {"seed": 2}, "craters": {"seed": 2}},
+    }
+    scene["camera"] = {
+        "fov_deg": 50.0,
+        "trajectory": {"kind": "orbit_object", "target": "rock", "distance_m": 1500.0},
+    }
+    size = SIZE | {"camera.width": 96, "camera.height": 72}
+    write("bop", perilune.open(scene, overrides=size), range(2), tmp_path / "out", threads=1)
+    report = check_bop(tmp_path / "out")
+    assert not report.findings, report.findings

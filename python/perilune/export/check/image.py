@@ -50,6 +50,8 @@ _DEPTH = 2e-6
 """Relative error of depth in single precision, and of its inputs."""
 _SURFACE = 1e-5
 """The same for the model's vertices, relative to its size."""
+_COARSE = 1.0 / 400.0
+"""The same for a model whose cells are up to 1/20 of it: relief within a cell is a part of that."""
 _DIRECTIONS = 16
 
 
@@ -363,7 +365,8 @@ class ImageCheck:
         outline = np.concatenate([self._outline(mesh, at) for at in rows.stated(pose)])
         low, high = outline.min(axis=0), outline.max(axis=0)
         slack = (0.5 * scale + _DEPTH * steps * scale) * np.linalg.norm(rays, axis=1)
-        slack += _SURFACE * float(np.linalg.norm(high - low))
+        part = _COARSE if self.tracer.shapes.is_coarse(pose) else _SURFACE
+        slack += part * float(np.linalg.norm(high - low))
         slack += _DEPTH * np.linalg.norm(t, axis=1)
         off = np.maximum(low - local, local - high).max(axis=1)
         wrong = off > slack
