@@ -113,6 +113,36 @@ static void test_variants(void **state) {
   assert_true(a.axes.z / a.axes.x != b.axes.z / b.axes.x);
 }
 
+/* Share of directions in which no plane cuts the ball of a family's variants. */
+static double round_share(pl_rock_family_kind family) {
+  enum { DIRECTIONS = 300 };
+  test_random random = {.seed = 59};
+  int round = 0;
+  for (int k = 0; k < PL_ROCK_VARIANTS; k++) {
+    const pl_rock_variant *ball = &variants[(int)family * PL_ROCK_VARIANTS + k];
+    assert_int_equal(ball->planes, ball->family->planes + ball->family->chips);
+    for (int n = 0; n < DIRECTIONS; n++) {
+      const pl_vec3 d = random_direction(&random);
+      double most = 0.0;
+      for (int m = 0; m < ball->planes; m++)
+        most = fmax(most, pl_vec3_dot(ball->normals[m], d));
+      round += most < 1.0;
+    }
+  }
+  return round / (double)(PL_ROCK_VARIANTS * DIRECTIONS);
+}
+
+/* Angular rocks are all faces; worn ones keep the ball. */
+static void test_faces(void **state) {
+  (void)state;
+  static const pl_rock_family_kind angular[] = {PL_ROCK_BLOCK, PL_ROCK_CUBE, PL_ROCK_WEDGE,
+                                                PL_ROCK_SLAB, PL_ROCK_SHARD};
+  for (size_t k = 0; k < sizeof angular / sizeof *angular; k++)
+    if (!(round_share(angular[k]) < 0.06))
+      fail_msg("%s: %g is round", pl_rock_families[angular[k]].name, round_share(angular[k]));
+  assert_true(round_share(PL_ROCK_EGG) > 0.5);
+}
+
 /* Every edge of a closed mesh is in two triangles, once in each direction. */
 static void check_closed(const pl_rock_sphere *sphere) {
   enum { MOST = 10242 };
@@ -154,7 +184,7 @@ static void test_spheres(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(test_points), cmocka_unit_test(test_extent),
-                                     cmocka_unit_test(test_variants),
+                                     cmocka_unit_test(test_variants), cmocka_unit_test(test_faces),
                                      cmocka_unit_test(test_spheres)};
   return cmocka_run_group_tests(tests, open_shapes, close_shapes);
 }

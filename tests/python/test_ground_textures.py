@@ -242,6 +242,16 @@ def test_mottling_keeps_the_mean_albedo_and_has_its_contrast() -> None:
     assert 0.3 < high - low < 0.5
 
 
+def test_drivers_draw_other_samples() -> None:
+    """Each value has a ground of its own; the same frame has the same again."""
+    change = made(2.0, clods={"density_per_m2": {"uniform": [5.0, 300.0]}, "pixels": 64})
+    sim = perilune.open("configs/lunar_rover.yaml", overrides=change)
+    d = about((0.6, 0.3, 0.4), 0.02 * np.arange(400), np.zeros(400))
+    heights = [sim.terrain(k).heights(d) for k in (0, 1, 0)]
+    assert np.array_equal(heights[0], heights[2])
+    assert np.abs(heights[1] - heights[0]).max() > 1e-3
+
+
 def test_clods_are_relief_of_the_ground() -> None:
     """Their share of the ground is that of their law, and no height is beyond theirs."""
     texture = {"size_m": 2.0, "clods": {"min_diameter_m": 0.02, "density_per_m2": 300.0}}

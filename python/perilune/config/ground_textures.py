@@ -47,9 +47,9 @@ class Clods(Strict):
     min_diameter_m: Annotated[Positive, _Fixed] = 0.008
     max_diameter_m: Annotated[Positive, _Fixed] = 0.06
     """At most an eighth of `size_m`. Leave larger ones to `rocks`."""
-    density_per_m2: Annotated[NonNegative, _Fixed] = 39.0
+    density_per_m2: NonNegative = 39.0
     """Number of 1 cm or more on a square metre."""
-    exponent: Annotated[Positive, _Fixed] = 2.11
+    exponent: Positive = 2.11
     """Those of D or more are as D^-exponent."""
     pixels: _Pixels = 512
     """Along the sample: its finest detail is `size_m` over this."""
@@ -58,9 +58,9 @@ class Clods(Strict):
 class Mottling(Strict):
     """Two kinds of ground, as dust and bedrock, in patches of up to a sixth of `size_m`."""
 
-    contrast: Annotated[Finite, Field(gt=0.0, le=1.0), _Fixed]
+    contrast: Annotated[Finite, Field(gt=0.0, le=1.0)]
     """Difference of their albedos over the mean, which stays."""
-    cover: Annotated[Finite, Field(gt=0.0, lt=1.0), _Fixed] = 0.5
+    cover: Annotated[Finite, Field(gt=0.0, lt=1.0)] = 0.5
     """Share of the bright one."""
     border: Annotated[Positive, _Fixed] = 1.0
     """Width of what lies between them, in deviations of the fractal that parts them: 0.2 makes

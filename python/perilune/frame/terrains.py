@@ -36,6 +36,8 @@ from perilune.orbits.ground import Ground
 
 _GROUNDS = 16
 """Number of grounds to cache, of which a body has one for each value of its drivers."""
+_SAMPLES = 2 * _GROUNDS
+"""Number of samples of ground that are made to cache."""
 
 
 class Teller(Protocol):
@@ -134,6 +136,7 @@ class Terrains:
         """An image that the core makes, once."""
         of = (row.size_m, row.seed, given)
         if of not in self._samples:
+            make_room(self._samples, _SAMPLES)
             try:
                 self._samples[of] = (
                     clods_of(row, given) if isinstance(given, Clods) else mottling_of(row, given)
