@@ -255,7 +255,7 @@ class Scene:
 
     def picture(self, samples: int, tolerance_dn: float, noise: int = 0) -> F64:
         """(height, width, 3): display values."""
-        return self.shown({"samples": samples, "tolerance_dn": tolerance_dn}, noise)
+        return encode(self.radiance(samples, tolerance_dn, noise), self._sim.white)
 
     def square(self, picture: F64, reference: tuple[F64, F64] | None = None) -> float:
         """Mean square error; its expectation is free of the reference's noise, so that small ones

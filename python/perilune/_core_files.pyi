@@ -19,6 +19,9 @@ def exr_decode(data: bytes, name: str, /) -> dict[str, NDArray[Any]]:
     """The planes (H, W) of an OpenEXR file of one part, by name: uint32, float16 or float32.
     ValueError, with `name`, for a damaged file, tiles or subsampled channels."""
 
+def png_grey(data: bytes, name: str, /) -> NDArray[np.uint16]:
+    """(H, W): a grey PNG of n bits, times 65535 / (2^n - 1), no alpha. ValueError with `name`."""
+
 def png_write(path: str, array: NDArray[Any], level: int = 6) -> None:
     """Writes uint8 (H,W), (H,W,3), (H,W,4) or uint16 (H,W); atomic (temporary file and rename)."""
 
