@@ -126,7 +126,8 @@ class Written:
     def __init__(self, name: str, sim: perilune.Simulation, frames: range, held: ExitStack) -> None:
         root = Path(held.enter_context(tempfile.TemporaryDirectory())) / "data"
         begun = Begun(sim, root, len(frames) + 1, "train", held, None)
-        self.job: Dataset = open_bop(begun) if name == "bop" else open_folder(FORMATS[name], begun)
+        begin = open_bop(begun) if name == "bop" else open_folder(FORMATS[name], begun)
+        self.job: Dataset = begin()
         self.job.find({0: dict(zip(frames, frames, strict=True))}, len(frames) + 1)
         self.job.begin(0)
         self.seconds: list[float] = []

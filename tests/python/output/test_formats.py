@@ -277,6 +277,25 @@ def test_a_channel_that_no_format_holds_is_an_error(small_scene, tmp_path):
     assert (tmp_path / "out/npz/000000.npz").is_file()
 
 
+@pytest.mark.parametrize("names", ["npz,bop", "png,npz,bop"])
+def test_what_one_of_several_refuses_leaves_no_folder(small_scene, tmp_path, names):
+    """BOP needs full silhouettes: without them nothing is begun."""
+    sim = small(small_scene, **{"render.amodal": False})
+    with pytest.raises(ValueError, match=r"render\.amodal"):
+        write(names, sim, range(1), tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
+def test_the_folder_of_another_dataset_stops_all_of_several(small_scene, tmp_path):
+    sim = small(small_scene)
+    write("npz,png", sim, range(1), tmp_path)
+    shutil.rmtree(tmp_path / "npz")
+    before = tree_bytes(tmp_path)
+    with pytest.raises(ValueError, match=r"png: holds a dataset of another .*fov_deg was"):
+        write("npz,png", sim.with_overrides({"camera.fov_deg": 31.0}), range(1), tmp_path)
+    assert tree_bytes(tmp_path) == before
+
+
 def test_the_default_channels_are_no_error(small_scene, tmp_path):
     sim = perilune.open(small_scene, overrides={"camera.width": 24, "camera.height": 18})
     if "channels" in sim.config.render.model_fields_set:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -50,7 +51,7 @@ from perilune.export.writers.files import (
 )
 from perilune.export.writers.formats.record import plain, record_of
 from perilune.export.writers.run import DEFAULT_CHUNK, Begun, tables_of, write_datasets
-from perilune.export.writers.same_source import check_same_source
+from perilune.export.writers.same_source import check_same_source, refuse_other_source
 from perilune.export.writers.scans import channels_of_scan, is_scan
 from perilune.export.writers.shards import Shard
 from perilune.export.writers.table import Progress, WriteReport
@@ -329,10 +330,12 @@ class Job:
         finish(self.root)
 
 
-def _write_source(
-    sim: Simulation, root: Path, chunk_size: int, split: str, begin: Callable[[], object] | None
-) -> dict[int, BopModel]:
-    """Writes the description of the simulation; refuses the folder of another one."""
+Source = tuple[dict[int, BopModel], dict[str, Any]]
+"""Models by obj_id, and the description of a dataset."""
+
+
+def _source(sim: Simulation, chunk_size: int, split: str) -> Source:
+    """What a dataset of a simulation is made of; refuses what BOP cannot represent."""
     refuse_unfit(sim)
     models = bop_models(sim)
     if not models:
@@ -341,7 +344,14 @@ def _write_source(
             "model, pose, mask or annotation; depth is that of the bodies",
             sim.document.source,
         )
-    info = dataset_info(sim, chunk_size, split)
+    return models, dataset_info(sim, chunk_size, split)
+
+
+def _write_source(
+    sim: Simulation, root: Path, source: Source, begin: Callable[[], object] | None
+) -> None:
+    """Writes the description of the simulation; refuses the folder of another one."""
+    models, info = source
     make_folder(root)  # when nothing but the disk can fail any more
     if begin is not None:
         begin()
@@ -350,21 +360,13 @@ def _write_source(
     write_other_text(root / CONFIG_FILE, config_text(config_entry(sim)))
     write_other_text(root / "camera.json", json_text(camera_entry(sim)))
     complete_models(root, models)
-    return models
 
 
-def open_job(
-    sim: Simulation,
-    root: Path,
-    chunk_size: int,
-    split: str,
-    begin: Callable[[], object] | None = None,
+def _open(
+    sim: Simulation, root: Path, split: str, source: Source, begin: Callable[[], object] | None
 ) -> Job:
-    """Writes all files outside the scenes, and returns the job that writes the scenes.
-
-    begin: called when the folder exists, before anything is
-    written to it."""
-    models = _write_source(sim, root, chunk_size, split, begin)
+    _write_source(sim, root, source, begin)
+    models, _ = source
     origins_m = {obj_id: model.center_m for obj_id, model in models.items()}
     size = nominal_camera(sim)
     header = CocoHeader(dataset_name(sim), split, tuple(models), size.width, size.height)
@@ -373,9 +375,17 @@ def open_job(
     return Job(sim, root / split, origins_m, header, shown, beside, keypoints)
 
 
-def open_bop(begun: Begun) -> Job:
+def open_job(sim: Simulation, root: Path, chunk_size: int, split: str) -> Job:
+    """Writes all files outside the scenes, and returns the job that writes the scenes."""
+    return _open(sim, root, split, _source(sim, chunk_size, split), None)
+
+
+def open_bop(begun: Begun) -> Callable[[], Job]:
     """Opens a BOP dataset, for write_datasets."""
-    return open_job(begun.sim, begun.root, begun.chunk_size, begun.split, begun.lock)
+    sim, split = begun.sim, begun.split
+    source = _source(sim, begun.chunk_size, split)
+    refuse_other_source(begun.root / SOURCE_FILE, source[1], sim)
+    return partial(_open, sim, begun.root, split, source, begun.lock)
 
 
 def write_bop(

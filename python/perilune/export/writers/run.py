@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
@@ -96,9 +96,10 @@ class Begun:
 
 
 class Opener(Protocol):
-    """Opens a dataset; it calls `lock` once the folder exists, before it writes to it."""
+    """Opens a dataset in two steps, so that what one of several formats refuses leaves no folder of
+    the others: it refuses, and returns what makes the folder, calls `lock`, and writes to it."""
 
-    def __call__(self, begun: Begun) -> Dataset: ...
+    def __call__(self, begun: Begun) -> Callable[[], Dataset]: ...
 
 
 def tables_of(
@@ -202,10 +203,11 @@ def write_datasets(
     images_of = shard_chunks(frames, chunk_size, shard or (0, 1))
     scenes = None if shard is None else list(images_of)
     with ExitStack() as held:
-        datasets = [
+        accepted = [
             opener(Begun(sim, root, chunk_size, split, held, scenes))
             for root, (_, opener) in zip(roots, openers, strict=True)
         ]
+        datasets = [begin() for begin in accepted]
         kept, total = _look(datasets, images_of, chunk_size)
         for each in datasets:
             if shard is not None:

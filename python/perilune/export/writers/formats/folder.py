@@ -8,8 +8,9 @@ from __future__ import annotations
 import json
 import logging
 import shutil
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -31,13 +32,13 @@ from perilune.export.writers.files import (
     write_text,
 )
 from perilune.export.writers.formats import record as records
-from perilune.export.writers.formats.base import Format, Frame, Record
+from perilune.export.writers.formats.base import Files, Format, Frame, Record
 from perilune.export.writers.formats.card import write_card
 from perilune.export.writers.formats.channels import asked_channels
 from perilune.export.writers.formats.info import folder_info
 from perilune.export.writers.formats.packs import Pack
 from perilune.export.writers.run import NEXT, Begun, Dataset, Tables
-from perilune.export.writers.same_source import check_same_source
+from perilune.export.writers.same_source import check_same_source, refuse_other_source
 from perilune.export.writers.scans import channels_of_scan, is_scan
 from perilune.export.writers.shards import drop_notes
 from perilune.sample import Sample
@@ -215,12 +216,19 @@ def finish_folder(fmt: Format, root: Path) -> int:
     return count
 
 
-def open_folder(fmt: Format, begun: Begun) -> FolderDataset:
-    """Opens a dataset in a folder, and writes all files beside its frames."""
-    sim, root = begun.sim, begun.root
+def open_folder(fmt: Format, begun: Begun) -> Callable[[], FolderDataset]:
+    """Opens a dataset in a folder, for write_datasets."""
+    sim = begun.sim
     info = folder_info(fmt, sim, begun.chunk_size, begun.split)
     beside = fmt.begin(sim, info)
     info[SUMS] = {name: records.sums(data) for name, data in beside.items()}
+    refuse_other_source(begun.root / SOURCE_FILE, info, sim)
+    return partial(_open, fmt, begun, info, beside)
+
+
+def _open(fmt: Format, begun: Begun, info: dict[str, Any], beside: Files) -> FolderDataset:
+    """Writes all files beside the frames."""
+    sim, root = begun.sim, begun.root
     make_folder(root)
     begun.lock()
     remove_temporary(root)
