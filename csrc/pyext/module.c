@@ -93,6 +93,7 @@ static PyMethodDef functions[] = {
     {"png_write", (PyCFunction)(void (*)(void))pl_py_png_write, METH_VARARGS | METH_KEYWORDS,
      "Writes an image array as PNG, atomically."},
     {"project", pl_py_project, METH_VARARGS, "Pixels of points in camera axes."},
+    {"unproject", pl_py_unproject, METH_VARARGS, "Directions of pixels in camera axes."},
     {"rim_images", pl_py_rim_images, METH_VARARGS, "Images of the rims of craters."},
     {"simplify", simplify, METH_VARARGS, "Indices of a mesh with fewer triangles."},
     {"source_extent", pl_py_source_extent, METH_O,

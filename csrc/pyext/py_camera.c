@@ -90,24 +90,50 @@ int pl_py_camera_optics(PyObject *k_object, PyObject *lens, pl_camera *out) {
   return parse_lens(lens, &out->lens);
 }
 
-PyObject *pl_py_project(PyObject *module, PyObject *args) {
-  PyObject *k, *lens, *directions;
+/* What a camera says of a row of numbers; NaN where it says nothing. */
+typedef void row_fn(const pl_camera *camera, const double *in, double *out);
+
+/* Of each row (N, wide) of the third argument `what`: (N, tall). `format`: of the arguments. */
+static PyObject *of_rows(PyObject *args, const char *format, const char *what, npy_intp wide,
+                         npy_intp tall, row_fn *say) {
+  PyObject *k, *lens, *given;
   pl_camera camera = {0};
-  (void)module;
-  if (!PyArg_ParseTuple(args, "OOO:project", &k, &lens, &directions) ||
+  if (!PyArg_ParseTuple(args, format, &k, &lens, &given) ||
       pl_py_camera_optics(k, lens, &camera) < 0)
     return NULL;
-  const npy_intp any[2] = {-1, 3};
-  PyArrayObject *points = pl_py_array(directions, "points", NPY_DOUBLE, 2, any);
-  if (points == NULL)
+  const npy_intp any[2] = {-1, wide};
+  PyArrayObject *rows = pl_py_array(given, what, NPY_DOUBLE, 2, any);
+  if (rows == NULL)
     return NULL;
-  const npy_intp shape[2] = {PyArray_DIM(points, 0), 2};
+  const npy_intp shape[2] = {PyArray_DIM(rows, 0), tall};
   PyObject *result = PyArray_SimpleNew(2, shape, NPY_DOUBLE);
-  const double *p = PyArray_DATA(points);
+  const double *in = PyArray_DATA(rows);
   double *out = result != NULL ? PyArray_DATA((PyArrayObject *)result) : NULL;
-  for (npy_intp i = 0; result != NULL && i < shape[0]; i++, p += 3, out += 2)
-    if (!pl_camera_project(&camera, (pl_vec3){p[0], p[1], p[2]}, out))
-      out[0] = out[1] = NAN;
-  Py_DECREF((PyObject *)points);
+  for (npy_intp i = 0; result != NULL && i < shape[0]; i++, in += wide, out += tall)
+    say(&camera, in, out);
+  Py_DECREF((PyObject *)rows);
   return result;
+}
+
+static void project(const pl_camera *camera, const double *in, double *out) {
+  if (!pl_camera_project(camera, (pl_vec3){in[0], in[1], in[2]}, out))
+    out[0] = out[1] = NAN;
+}
+
+static void unproject(const pl_camera *camera, const double *in, double *out) {
+  const pl_vec3 ray = pl_camera_ray(camera, in[0], in[1]);
+  const double length = pl_vec3_norm(ray);
+  out[0] = length > 0.0 ? ray.x / length : NAN;
+  out[1] = length > 0.0 ? ray.y / length : NAN;
+  out[2] = length > 0.0 ? ray.z / length : NAN;
+}
+
+PyObject *pl_py_project(PyObject *module, PyObject *args) {
+  (void)module;
+  return of_rows(args, "OOO:project", "points", 3, 2, project);
+}
+
+PyObject *pl_py_unproject(PyObject *module, PyObject *args) {
+  (void)module;
+  return of_rows(args, "OOO:unproject", "pixels", 2, 3, unproject);
 }

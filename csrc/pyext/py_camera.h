@@ -16,5 +16,8 @@ PyObject *pl_py_lenses(void);
 /* project(K, lens, points): pixel coordinates of points in camera axes; nan where a point has no
  * image. */
 PyObject *pl_py_project(PyObject *module, PyObject *args);
+/* unproject(K, lens, pixels): unit directions of pixels in camera axes; nan where the lens has
+ * none. */
+PyObject *pl_py_unproject(PyObject *module, PyObject *args);
 
 #endif

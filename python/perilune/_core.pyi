@@ -572,6 +572,9 @@ def rim_images(
 def project(K: F64, lens: tuple[str, F64] | None, points: F64) -> F64:
     """(N, 2): pixels of (N, 3) points in camera axes; nan where there is no image."""
 
+def unproject(K: F64, lens: tuple[str, F64] | None, pixels: F64) -> F64:
+    """(N, 3): unit directions, camera axes, of (N, 2) pixels; nan where the lens has none."""
+
 def draws(
     seed: int, keys: NDArray[np.uint64], frames: NDArray[np.uint64], normal: NDArray[np.bool_],
     counts: NDArray[np.int64], /

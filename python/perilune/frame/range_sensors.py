@@ -77,11 +77,12 @@ class RangeSensors:
         """The surface points that the pixels of a frame show: a structured array, row by row.
 
         Fields: u, v (pixel), camera_m and position_m (3; camera axes, root frame), normal (3, unit,
-        root axes), range_m, instance, part, semantic (one per level), and with `colour` rgb."""
+        root axes), range_m, instance, part, semantic (one per level), and with `colour` rgb. With a
+        rolling shutter, all is of the time of the pixel's own row."""
         names = [*scans.POINT_CHANNELS, *(["rgb"] if colour else [])]
         sample = self.frame(index, names, threads)
-        camera = sample.camera
-        return scans.points_of(sample, camera.R_w2c, camera.t_w2c, len(self.config.labels.levels))
+        levels = len(self.config.labels.levels)
+        return scans.points_of(sample, sample.camera, levels, sample.meta.get("rows", ()))
 
     def trace(
         self: Simulated,

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perilune import _core
+from perilune.camera.label import CameraLabel
 from perilune.config.camera import Camera
 from perilune.config.errors import nearest
 from perilune.config.events import Events
@@ -207,10 +208,26 @@ def event_dtype() -> np.dtype[Any]:
 POINT_CHANNELS = ("range", "position", "normal", "semantic", "part", "instance")
 
 
-def points_of(channels: Mapping[str, Array], R_w2c: F64, t_w2c: F64, levels: int) -> Array:
+def _turns(rows: Sequence[Mapping[str, Any]], height: int) -> F64:
+    """(height, 3, 3): rotations from root to camera axes of all rows, from those of some, which
+    are near each other."""
+    known = [row["row"] for row in rows]
+    matrices = np.stack([row["R_w2c"] for row in rows]).reshape(len(rows), 9)
+    every = np.arange(height)
+    columns = [np.interp(every, known, matrices[:, k]) for k in range(9)]
+    return np.stack(columns, axis=1).reshape(height, 3, 3)
+
+
+def points_of(
+    channels: Mapping[str, Array],
+    camera: CameraLabel,
+    levels: int,
+    shutter: Sequence[Mapping[str, Any]] = (),
+) -> Array:
     """The surface points of a frame: a structured array with a row per pixel that hits something.
 
-    channels: POINT_CHANNELS, and `rgb` if it was rendered."""
+    channels: POINT_CHANNELS, and `rgb` if it was rendered. shutter: Sample.meta["rows"]. With a
+    rolling shutter, points lie in the axes that the camera has at the time of their own row."""
     seen = channels["range"] > 0.0
     rows, columns = np.nonzero(seen)
     fields: list[Any] = [
@@ -228,9 +245,17 @@ def points_of(channels: Mapping[str, Array], R_w2c: F64, t_w2c: F64, levels: int
     out = np.empty(len(rows), np.dtype([*fields, ("rgb", np.uint8, (3,))] if colour else fields))
     out["u"], out["v"] = columns, rows
     out["position_m"] = channels["position"][seen]
-    out["camera_m"] = out["position_m"] @ R_w2c.T + t_w2c
-    out["normal"] = channels["normal"][seen] @ R_w2c.astype(np.float32)
     out["range_m"] = channels["range"][seen]
+    normal = channels["normal"][seen]
+    if shutter:
+        pixels = np.stack([columns, rows], axis=1).astype(np.float64)
+        directions = _core.unproject(camera.K, camera.lens, pixels)
+        out["camera_m"] = out["range_m"][:, None] * directions
+        turned = np.einsum("ni,nij->nj", normal, _turns(shutter, len(seen))[rows])
+        out["normal"] = turned / np.linalg.norm(turned, axis=1, keepdims=True)
+    else:
+        out["camera_m"] = out["position_m"] @ camera.R_w2c.T + camera.t_w2c
+        out["normal"] = normal @ camera.R_w2c.astype(np.float32)
     for name in ("instance", "part", "semantic", *(("rgb",) if colour else ())):
         out[name] = channels[name][seen]
     return out

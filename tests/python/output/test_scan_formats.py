@@ -11,6 +11,7 @@ import pytest
 import webdataset
 
 import perilune
+from perilune import _core
 from perilune.config import ConfigError
 from perilune.export.check import check
 from perilune.export.check.scans import scan_faults
@@ -167,3 +168,49 @@ def test_planted_faults_of_a_ply_are_told(out):
         assert list(scan_faults(info, record, {name: table})) == []
         table["range_m"][0] *= 1.001
         assert any(f"{name}: " in text for text in scan_faults(info, record, {name: table}))
+
+
+ROLLING = {
+    "camera.exposure_time_s": 0.002,
+    "camera.line_time_us": 20000.0,
+    "camera.lens": {"model": "brown_conrady", "k1": -0.2, "k2": 0.05, "labels": "distorted"},
+    "lidars": None,
+    "time_of_flight": None,
+    "events": None,
+    "render.scans": ["points"],
+}
+
+
+def test_points_of_a_rolling_shutter_are_those_of_their_own_rows(small_scene):
+    """In camera axes where the poses of their row put the object's points, though camera and object
+    go 7.5 km/s; and the camera sees them at their pixel."""
+    large = {"camera.width": 240, "camera.height": 180, "camera.line_time_us": 2000.0}
+    sim = perilune.open(small_scene, overrides=CHANGES | ROLLING | large)
+    sample, points = sim.frame(1, ["object_coords", "instance", "objects"]), sim.points(1)
+    np.testing.assert_allclose(
+        _core.project(sample.camera.K, sample.camera.lens, points["camera_m"]),
+        np.stack([points["u"], points["v"]], axis=1),
+        atol=1e-9,
+    )
+    (number,) = sample.objects["instance_id"]
+    compared = 0
+    for row in sample.meta["rows"]:
+        own = points[(points["v"] == row["row"]) & (points["instance"] == number)]
+        pose = row["objects"]["probe"]
+        coords = sample["object_coords"][own["v"], own["u"]].astype(float)
+        expected = coords @ np.asarray(pose["R_m2c"]).T + pose["t_m2c"]
+        np.testing.assert_allclose(own["camera_m"], expected, atol=1e-4)
+        # Unit normals, root axes, of faces that look at the camera.
+        toward = -own["camera_m"] @ np.asarray(row["R_w2c"])
+        assert (np.sum(toward * own["normal"], axis=1) > 0.0).all()
+        np.testing.assert_allclose(np.linalg.norm(own["normal"], axis=1), 1.0, atol=1e-6)
+        compared += len(own)
+    assert compared > 20
+
+
+def test_points_of_a_rolling_shutter_pass_the_check(small_scene, tmp_path):
+    sim = perilune.open(small_scene, overrides=CHANGES | ROLLING)
+    write("npz,ply", sim, range(2), tmp_path, threads=1)
+    for name in ("npz", "ply"):
+        (report,) = check(tmp_path / name)
+        assert report.findings == [], name

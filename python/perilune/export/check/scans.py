@@ -73,8 +73,6 @@ def _points(name: str, table: Array, record: Record) -> Iterator[str]:
     away = np.abs(np.linalg.norm(place, axis=1) - table["range_m"])
     if (wrong := away > _NEAR * (1.0 + table["range_m"])).any():
         yield f"{name}: range_m is not the distance of the point in {_rows(wrong)}"
-    if record["meta"].get("rows"):
-        return  # each row has a camera of its own
     seen = project(record["camera"], place)
     off = np.abs(seen - np.stack([table["u"], table["v"]], axis=1)).max(axis=1, initial=0.0)
     if (wrong := off > _PIXELS).any():

@@ -74,9 +74,9 @@ def scans(
     index, found = sample.meta["index"], {}
     for name in names:
         if name == POINTS:
-            camera, levels = sample.camera, len(sim.config.labels.levels)
+            levels = len(sim.config.labels.levels)
             own = {key: sample[key] for key in channels_of_scan(sim, name)}
-            found[name] = points_of(own, camera.R_w2c, camera.t_w2c, levels)
+            found[name] = points_of(own, sample.camera, levels, sample.meta.get("rows", ()))
         elif name == FLIGHT:
             found[name] = sim.time_of_flight(index, threads=threads)
         elif name == EVENTS:
