@@ -28,6 +28,11 @@ VIEWS = {
     "pair": "pair",
     "brown": {"camera.lens": {"model": "brown_conrady", "k1": -0.3, "k2": 0.1, "p1": 0.01}},
     "fisheye": {"camera.lens": {"model": "fisheye", "k1": 0.02}},
+    "wide fisheye": {
+        "camera.lens": {"model": "fisheye", "k1": 0.01},
+        "camera.fov_deg": None,
+        "camera.focal_px": 24.0,
+    },
     "undistorted": {"camera.lens": {"model": "brown_conrady", "k1": -0.3, "labels": "undistorted"}},
     "exposure": {"camera.exposure_time_s": 0.5},
     "rolling": {"camera.exposure_time_s": 0.1, "camera.line_time_us": 5000.0},

@@ -27,10 +27,8 @@ _PIXELS = 0.02
 precision."""
 _ROUNDING = 4.0
 """Errors of depths and ranges, in steps of their number type."""
-_ITERATIONS = 12
-"""Fixed-point steps from a pixel to its ray through a lens."""
-_BEFORE_RAD = 1.5
-"""Azimuths of a panorama whose rays have a depth that can tell a place."""
+_LEAST_Z = 1e-3
+"""Of the unit direction of a pixel whose depth tells where the ray ends."""
 
 
 def counted(mask: Array) -> str:
@@ -39,11 +37,16 @@ def counted(mask: Array) -> str:
     return f"{np.count_nonzero(mask)} pixels, the first at column {x}, row {y}"
 
 
-def project(camera: Mapping[str, Any], points: F64) -> F64:
-    """Pixels (n, 2) of points (n, 3) in camera axes, m. camera: of a frame's record."""
+def _optics(camera: Mapping[str, Any]) -> tuple[F64, tuple[str, F64] | None]:
+    """K, and model and coefficients of the lens."""
     lens = camera["lens"]
     told = None if lens is None else (lens["model"], np.array(lens["coefficients"], np.float64))
-    return _core.project(np.array(camera["K"], np.float64), told, np.ascontiguousarray(points))
+    return np.array(camera["K"], dtype=np.float64), told
+
+
+def project(camera: Mapping[str, Any], points: F64) -> F64:
+    """Pixels (n, 2) of points (n, 3) in camera axes, m. camera: of a frame's record."""
+    return _core.project(*_optics(camera), np.ascontiguousarray(points))
 
 
 @dataclass(frozen=True)
@@ -52,27 +55,17 @@ class View:
 
     camera: Mapping[str, Any]
     rays: F64
-    """(H, W, 3): directions of pixels with z = 1; nan where the lens has none."""
+    """(H, W, 3): directions of pixels with z = 1; nan where the lens has none, and
+    for those aside and behind."""
 
     @classmethod
     def of(cls, camera: Mapping[str, Any]) -> View:
         """The view of a record's camera."""
-        K = np.array(camera["K"], dtype=np.float64)
         y, x = np.mgrid[: camera["height"], : camera["width"]].astype(np.float64)
-        pixels = np.stack([x, y], axis=2)
-        homogeneous = np.concatenate([pixels, np.ones((*x.shape, 1))], axis=2)
-        rays = homogeneous @ np.linalg.inv(K).T
-        if camera["lens"] is not None and camera["lens"]["model"] == "equirectangular":
-            azimuth, elevation = rays[:, :, 0], rays[:, :, 1]
-            before = np.abs(azimuth) < _BEFORE_RAD
-            azimuth = np.where(before, azimuth, np.nan)
-            elevation = np.tan(np.where(before, elevation, np.nan)) / np.cos(azimuth)
-            rays = np.stack([np.tan(azimuth), elevation, rays[:, :, 2]], axis=2)
-        elif camera["lens"] is not None:
-            for _ in range(_ITERATIONS):
-                away = project(camera, rays.reshape(-1, 3)).reshape(pixels.shape) - pixels
-                rays[:, :, :2] -= away / (K[0, 0], K[1, 1])
-            rays[np.abs(away).max(axis=2) > 0.1 * _PIXELS] = np.nan
+        pixels = np.stack([x.ravel(), y.ravel()], axis=1)
+        directions = _core.unproject(*_optics(camera), pixels).reshape(*x.shape, 3)
+        z = directions[:, :, 2:]
+        rays = directions / np.where(z > _LEAST_Z, z, np.nan)
         return cls(camera, rays)
 
     def points(self, depth: Array, error: float = 0.0) -> F64:
