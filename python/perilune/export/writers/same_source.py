@@ -28,7 +28,7 @@ def refuse_other_source(path: Path, info: dict[str, Any], sim: Simulation) -> di
     """ValueError for the folder of another source. Returns what it says, None if it is new."""
     try:
         found: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
+    except (FileNotFoundError, NotADirectoryError):  # of a file that stands there make_folder tells
         return None
     except (json.JSONDecodeError, UnicodeDecodeError) as error:
         raise ValueError(
