@@ -137,7 +137,7 @@ static void no_ray_goes_through(void **state) {
     fixture f;
     open_fixture(&f, (pl_vec3){radius_m, radius_m, 0.9 * radius_m}, k == 2 ? 1.5 : 1.0);
     const pl_ground_tile_view view = mixed_view(&f, spots[k], k == 0 ? 2.0 : 300.0);
-    build(&f, &view, 2);
+    build(&f, &view, 1);
     check_closed(&f, view.eye, 0.7, (uint64_t)k);
     check_closed_from_afar(&f, (uint64_t)k);
     close_fixture(&f);
@@ -179,7 +179,7 @@ static void cliffs_are_closed(void **state) {
   pl_arena_init(&f.arena);
   const pl_vec3 up = {cos(lon) * cos(lat), sin(lon) * cos(lat), sin(lat)};
   const pl_ground_tile_view view = mixed_view(&f, up, 150.0);
-  build(&f, &view, 2);
+  build(&f, &view, 1);
   check_closed(&f, view.eye, 0.01, 11);
   close_fixture(&f);
   pl_raster_destroy(raster);

@@ -56,6 +56,19 @@ def test_fisheye_is_opencvs():
     assert np.isnan(beyond).all() or np.isfinite(beyond).all()
 
 
+def test_directions_of_pixels_are_opencvs():
+    """Pixels of OpenCV's projections have the directions that were projected."""
+    p = points(4, 0.6)
+    pixels = cv2.projectPoints(p, np.zeros(3), np.zeros(3), K, BROWN)[0][:, 0]
+    unit = p / np.linalg.norm(p, axis=1, keepdims=True)
+    assert np.abs(_core.unproject(K, ("brown_conrady", BROWN), pixels) - unit).max() < 1e-9
+    p = points(5, 1.5)
+    pixels = cv2.fisheye.projectPoints(p[:, None], np.zeros(3), np.zeros(3), K, EYE)[0][:, 0]
+    unit = p / np.linalg.norm(p, axis=1, keepdims=True)
+    assert np.abs(_core.unproject(K, ("fisheye", EYE), pixels) - unit).max() < 1e-9
+    assert np.isnan(_core.unproject(K, ("fisheye", EYE), np.array([[1e6, 0.0]]))).all()
+
+
 @given(c=st.lists(st.floats(-0.05, 0.05), min_size=8, max_size=8), seed=st.integers(0, 999))
 def test_any_brown_conrady_is_opencvs(c, seed):
     p = points(seed, 0.7)

@@ -55,8 +55,8 @@ class View:
 
     camera: Mapping[str, Any]
     rays: F64
-    """(H, W, 3): directions of pixels with z = 1; nan where the lens has none, and
-    for those aside and behind."""
+    """(H, W, 3): directions of pixels with z = 1; nan where the lens has none, and aside and
+    behind."""
 
     @classmethod
     def of(cls, camera: Mapping[str, Any]) -> View:
