@@ -77,7 +77,7 @@ static pl_ray ray_of(const pl_snapshot *shot, const double offset[2], int x, int
   const pl_vec3 direction = pl_snapshot_ray(shot, x + offset[0], y + offset[1]);
   if (pl_vec3_dot(direction, direction) > 0.0)
     return (pl_ray){.t_max = INFINITY, .direction = direction, .skip_body = PL_NO_BODY};
-  return (pl_ray){.t_max = -1.0, .direction = {0.0, 0.0, 1.0}, .skip_body = PL_EVERY_BODY};
+  return (pl_ray){.t_max = -1.0, .direction = {0.0, 0.0, 1.0}, .skip_body = PL_EVERY_ELLIPSOID};
 }
 
 /* Adds the other rays of a pixel; the first is that through its centre. */

@@ -107,11 +107,12 @@ static void start_ray(const pl_scan_job *job, uint32_t index, pl_scan_chunk *chu
       .index = index,
   };
   chunk->queries[index] =
-      there ? (pl_ray){.origin = ray->origin,
-                       .t_max = INFINITY,
-                       .direction = ray->direction,
-                       .skip_body = PL_NO_BODY}
-            : (pl_ray){.t_max = -1.0, .direction = {0.0, 0.0, 1.0}, .skip_body = PL_EVERY_BODY};
+      there
+          ? (pl_ray){.origin = ray->origin,
+                     .t_max = INFINITY,
+                     .direction = ray->direction,
+                     .skip_body = PL_NO_BODY}
+          : (pl_ray){.t_max = -1.0, .direction = {0.0, 0.0, 1.0}, .skip_body = PL_EVERY_ELLIPSOID};
 }
 
 static void fill_beams(const pl_scan_job *job, size_t item, pl_scan_chunk *chunk) {

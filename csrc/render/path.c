@@ -41,7 +41,7 @@ static size_t start_paths(const pl_path_context *context, uint32_t index, pl_til
     b->rays[i] = (pl_ray){.origin = beam->origin,
                           .t_max = INFINITY,
                           .direction = beam->direction,
-                          .skip_body = context->bodies ? PL_NO_BODY : PL_EVERY_BODY};
+                          .skip_body = context->bodies ? PL_NO_BODY : PL_EVERY_ELLIPSOID};
   }
   return b->active_count;
 }

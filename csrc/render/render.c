@@ -204,8 +204,8 @@ static pl_vec3 centre_direction(const job *job, pl_tile tile, place at, const pl
 static pl_ray centre_ray(const job *job, pl_tile tile, place at, const pl_tile_buffers *b) {
   const pl_vec3 direction = centre_direction(job, tile, at, b);
   if (pl_vec3_dot(direction, direction) > 0.0)
-    return (pl_ray){.t_max = INFINITY, .direction = direction, .skip_body = PL_EVERY_BODY};
-  return (pl_ray){.t_max = -1.0, .direction = {0.0, 0.0, 1.0}, .skip_body = PL_EVERY_BODY};
+    return (pl_ray){.t_max = INFINITY, .direction = direction, .skip_body = PL_EVERY_ELLIPSOID};
+  return (pl_ray){.t_max = -1.0, .direction = {0.0, 0.0, 1.0}, .skip_body = PL_EVERY_ELLIPSOID};
 }
 
 /* Fills the points of pixels whose first hit is on a mesh, for the first `count` positions in

@@ -21,6 +21,6 @@ pl_ray pl_sun_ray(const pl_vertex *vertex, const pl_snapshot *shot, const pl_sun
   pl_ray ray = pl_vertex_ray(vertex, shot, toward, reach);
   if (pl_surface_is_mesh(vertex->surface_id) &&
       !pl_shot_object_of(shot, vertex->surface_id)->eclipsed)
-    ray.skip_body = PL_EVERY_BODY;
+    ray.skip_body = PL_EVERY_ELLIPSOID;
   return ray;
 }

@@ -41,7 +41,7 @@ static double limit_of(const pl_ray *ray, const pl_hit *hit) {
 
 static void closest_of(const pl_snapshot *shot, const pl_ray *ray, pl_hit *hit) {
   size_t k = 0;
-  if (ray->skip_body == PL_EVERY_BODY)
+  if (ray->skip_body == PL_EVERY_ELLIPSOID)
     return;
   for (uint32_t b; (b = pl_next_body(shot, ray, limit_of(ray, hit), &k)) != PL_NO_BODY;) {
     const double t = body_distance(&shot->bodies[b], ray);
@@ -57,7 +57,7 @@ static void closest(const pl_snapshot *shot, const pl_ray *rays, pl_hit *hits, s
 
 static bool is_occluded(const pl_snapshot *shot, const pl_ray *ray) {
   size_t k = 0;
-  if (ray->skip_body == PL_EVERY_BODY)
+  if (ray->skip_body == PL_EVERY_ELLIPSOID)
     return false;
   for (uint32_t b; (b = pl_next_body(shot, ray, ray->t_max, &k)) != PL_NO_BODY;)
     if (body_distance(&shot->bodies[b], ray) < ray->t_max)

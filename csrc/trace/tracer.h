@@ -11,16 +11,17 @@
 #include "scene/snapshot.h"
 
 enum { PL_TRACER_PACKET = 8 };
-/* Value of pl_ray.skip_body: the ray ignores all bodies. */
-#define PL_EVERY_BODY (UINT32_MAX - 1)
+/* Value of pl_ray.skip_body: the ray ignores all ellipsoids, which the caller has met itself. Rays
+ * still meet every other kind of surface, with a closed form or without. */
+#define PL_EVERY_ELLIPSOID (UINT32_MAX - 1)
 
 typedef struct pl_ray {
   pl_vec3 origin;    /* camera-relative, root axes, m */
   pl_vec3 direction; /* unit */
   double t_max;      /* m */
-  uint32_t
-      /* index of a body that cannot be hit (the ray starts on its convex surface), or PL_NO_BODY */
-      skip_body;
+  /* Index of a body that cannot be hit, since the ray starts on its convex surface; or PL_NO_BODY,
+   * or PL_EVERY_ELLIPSOID. */
+  uint32_t skip_body;
   /* Triangle that the ray starts on and therefore cannot hit: surface, and triangle index + 1; 0
    * for none. */
   pl_surface_id from_surface;

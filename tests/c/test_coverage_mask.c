@@ -79,7 +79,7 @@ static bool meets(const world *w, test_random *random, int x, int y) {
   const pl_ray ray = {.origin = beam.origin,
                       .t_max = INFINITY,
                       .direction = beam.direction,
-                      .skip_body = PL_EVERY_BODY};
+                      .skip_body = PL_EVERY_ELLIPSOID};
   pl_tracer_closest(w->tracer, &ray, &hit, 1, false, true);
   return !pl_surface_is_none(hit.surface_id);
 }
