@@ -16,8 +16,8 @@ bool pl_frame_wants_sensor(const pl_frame_request *request) {
 /* Rays that measure the visible part of the sun: 8 x 8 over its disc. */
 enum { SUN_SIDE = 8, SUN_RAYS = SUN_SIDE * SUN_SIDE };
 
-/* Returns the fraction of the sun's disc that is visible from the camera. Things that the plan
- * culled hide nothing. */
+/* Returns the fraction of the sun's disc that is visible from the camera. Whatever the plan
+ * culled hides nothing. */
 static double sun_seen(const pl_tracer *tracer, const pl_sun_view *sun) {
   pl_ray rays[SUN_RAYS];
   pl_hit hits[SUN_RAYS];

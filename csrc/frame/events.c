@@ -21,7 +21,7 @@ typedef struct recording {
   pl_event_pixel *pixels;
   pl_event_list *rows; /* events of each row */
   /* pictures by depth of halving: logarithms of light */
-  float *pool[PL_EVENT_HALVINGS_MAX + 3];
+  float *levels[PL_EVENT_HALVINGS_MAX + 3];
 } recording;
 
 /* --- pictures --------------------------------------------------------------------------------- */
@@ -103,7 +103,7 @@ static pl_status span(recording *r, double u0, double u1, const float *from, con
   if (depth == r->settings->halvings)
     return go(r, u0, u1, from, to);
   const double middle = 0.5 * (u0 + u1);
-  float *between = r->pool[2 + depth];
+  float *between = r->levels[2 + depth];
   PL_TRY(picture(r, middle, between));
   if (is_straight(r, from, between, to)) {
     PL_TRY(go(r, u0, middle, from, between));
@@ -117,15 +117,15 @@ static pl_status record(recording *r) {
   const pl_event_camera *camera = &r->settings->camera;
   const size_t count = (size_t)r->width * (size_t)r->height;
   const int steps = r->settings->instants;
-  PL_TRY(picture(r, 0.0, r->pool[0]));
+  PL_TRY(picture(r, 0.0, r->levels[0]));
   for (size_t i = 0; i < count; i++)
-    pl_event_pixel_start(camera, i, (double)r->pool[0][i], &r->pixels[i]);
+    pl_event_pixel_start(camera, i, (double)r->levels[0][i], &r->pixels[i]);
   for (int k = 0; k < steps; k++) {
-    PL_TRY(picture(r, (double)(k + 1) / steps, r->pool[1]));
-    PL_TRY(span(r, (double)k / steps, (double)(k + 1) / steps, r->pool[0], r->pool[1], 0));
-    float *last = r->pool[0];
-    r->pool[0] = r->pool[1];
-    r->pool[1] = last;
+    PL_TRY(picture(r, (double)(k + 1) / steps, r->levels[1]));
+    PL_TRY(span(r, (double)k / steps, (double)(k + 1) / steps, r->levels[0], r->levels[1], 0));
+    float *last = r->levels[0];
+    r->levels[0] = r->levels[1];
+    r->levels[1] = last;
   }
   for (size_t i = 0; i < count; i++)
     PL_TRY(pl_event_noise(camera, i, (uint16_t)(i % (size_t)r->width),
@@ -157,7 +157,7 @@ static pl_status allocate(recording *r) {
   r->rows = pl_arena_alloc(arena, (size_t)r->height, sizeof *r->rows);
   bool made = r->pixels != NULL && r->rows != NULL;
   for (int i = 0; i < r->settings->halvings + 2; i++)
-    made = (r->pool[i] = pl_arena_alloc(arena, count, sizeof(float))) != NULL && made;
+    made = (r->levels[i] = pl_arena_alloc(arena, count, sizeof(float))) != NULL && made;
   if (!made)
     return pl_fail(PL_E_MEMORY, "out of memory for the pictures of events");
   for (int y = 0; y < r->height; y++)

@@ -265,7 +265,7 @@ static pl_view_entity terrain_entity(const pl_snapshot *shot, const pl_shot_body
   return entity;
 }
 
-/* Thing of a body that its shape replaces: it has no surface. */
+/* Entity of a body that its shape replaces: it has no surface. */
 static pl_view_entity hollow_entity(const pl_shot_body *body) {
   pl_view_entity entity = {.ggx_alpha_min = 1.0, .diffuse = true};
   set_center(&entity, body->center);
