@@ -25,14 +25,15 @@ static float decode(float code, bool srgb) {
 
 enum { GUESSES = 4096 };
 
-/* Inverse of a code table: a first guess in equal steps of linear light, followed by a few
- * comparisons. */
+/* Inverse of a code table: a first guess in equal steps of linear light, followed by a comparison.
+ */
 typedef struct encoder {
   float upper[256];       /* linear value half-way between the codes c and c + 1 */
   uint8_t guess[GUESSES]; /* code of linear value i / GUESSES */
+  float step[257]; /* from the linear value of code c - 1 to that of c; infinite at the ends */
 } encoder;
 
-static void encoder_init(bool srgb, encoder *out) {
+static void encoder_init(bool srgb, const float decoded[256], encoder *out) {
   for (int c = 0; c < 255; c++)
     out->upper[c] = decode((float)c + 0.5f, srgb);
   out->upper[255] = INFINITY;
@@ -42,36 +43,39 @@ static void encoder_init(bool srgb, encoder *out) {
       code++;
     out->guess[i] = (uint8_t)code;
   }
+  out->step[0] = out->step[256] = INFINITY;
+  for (int c = 1; c < 256; c++)
+    out->step[c] = decoded[c] - decoded[c - 1];
 }
 
-static uint8_t encode(const encoder *table, float linear) {
+/* Half-way values are at least 1 / (255 * 12.92) apart, farther than guesses, so that at most one
+ * of them lies between a guess and the value. */
+static inline unsigned encode(const encoder *table, float linear) {
   int i = (int)(linear * GUESSES);
   i = i < 0 ? 0 : i >= GUESSES ? GUESSES - 1 : i;
-  int code = table->guess[i];
-  while (linear >= table->upper[code])
-    code++;
-  return (uint8_t)code;
+  const unsigned code = table->guess[i];
+  return code + (linear >= table->upper[code] ? 1u : 0u);
 }
 
-/* Encodes a value as one of its two nearest codes, chosen by the accumulated rounding error. */
-static uint8_t encode_carrying(const encoder *table, const float decoded[256], float value,
-                               float *carry) {
+/* Encodes a value as one of its two nearest codes, chosen by the accumulated rounding error:
+ * without branches, since which of them is taken looks random. Of the first and last code the
+ * neighbour beyond does not exist, at an infinite step. */
+static inline uint8_t encode_carrying(const encoder *table, const float decoded[256], float value,
+                                      float *carry) {
   /* in codes; smaller errors are rounding errors of the averages */
   static const float EXACT = 0.02f;
-  const uint8_t nearest = encode(table, value);
+  const unsigned nearest = encode(table, value);
   const float error = value - decoded[nearest];
-  const int other = error > 0.0f ? nearest + 1 : nearest - 1;
-  if (other < 0 || other > 255)
-    return nearest;
-  const float step = fabsf(decoded[other] - decoded[nearest]);
-  if (fabsf(error) < EXACT * step)
-    return nearest;
+  const bool above = error > 0.0f;
+  const float sign = above ? 1.0f : -1.0f;
+  const float step = table->step[nearest + above];
   /* Steps between bright codes are larger than between dark ones, so the carried error is limited
    * to the current step. */
-  const float sum = fminf(fmaxf(*carry + error, -step), step);
-  const bool moves = error > 0.0f ? sum > 0.5f * step : sum < -0.5f * step;
-  *carry = !moves ? sum : error > 0.0f ? sum - step : sum + step;
-  return moves ? (uint8_t)other : nearest;
+  const float sum = pl_minf(pl_maxf(*carry + error, -step), step);
+  const bool rounds = step < INFINITY && !(fabsf(error) < EXACT * step);
+  const bool moves = rounds && sign * sum > 0.5f * step;
+  *carry = !rounds ? *carry : moves ? sum - sign * step : sum;
+  return (uint8_t)(moves ? (above ? nearest + 1 : nearest - 1) : nearest);
 }
 
 /* Source texels covered by one destination texel along one axis. */
@@ -216,8 +220,8 @@ static size_t lay_out(pl_mip_pyramid *p, int width, int height) {
 
 static void fill(pl_mip_pyramid *p, bool srgb, float *linear) {
   builder b = {.pyramid = p};
-  encoder_init(srgb, &b.color);
-  encoder_init(false, &b.alpha);
+  encoder_init(srgb, p->color_table, &b.color);
+  encoder_init(false, p->alpha_table, &b.alpha);
   source from = {p->levels[0].width, p->levels[0].height, p->base, NULL};
   uint8_t *next = p->smaller;
   for (int k = 1; k < p->level_count; k++) {

@@ -18,7 +18,7 @@ from perilune.config.materials import MaterialUse
 from perilune.config.schema import Config
 from perilune.materials.drivers import drivers_of, given_by_drivers
 from perilune.materials.graph import F64, Graph, triples
-from perilune.spacecraft.parts import Partition, components, inside_box
+from perilune.spacecraft.parts import Partition, centroids, components, inside_box
 
 
 @dataclass(frozen=True)
@@ -51,6 +51,7 @@ def triangles(
     mesh_part = mesh["triangle_part"].astype(np.int64)
     result = np.full(len(mesh_part), -1, dtype=np.int32)
     kinds = _kinds(uses, model, cut, mesh_part)
+    middles = centroids(model, mesh) if any(use.box for use in uses) else np.empty((3, 0))
     for k, use in enumerate(uses):
         fits = np.ones(len(mesh_part), dtype=bool)
         for what, (names, of_triangle) in kinds.items():
@@ -62,7 +63,7 @@ def triangles(
                     raise ValueError(f"{key}[{k}].{what}: no {what} fits '{pattern}'{near}")
                 fits &= hit[of_triangle]
         if use.box is not None:
-            fits &= inside_box(model, mesh, use.box, f"{key}[{k}].box")
+            fits &= inside_box(model, middles, use.box, f"{key}[{k}].box")
         if use.required and not fits.any():
             raise ValueError(f"{key}[{k}]: no triangle fits all that is asked")
         result[fits & (result < 0)] = k

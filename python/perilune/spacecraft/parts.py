@@ -109,12 +109,20 @@ def components(model: _core.Model) -> tuple[NDArray[np.int64], list[str]]:
     return component, [f"component-{k}" for k in range(int(component.max(initial=-1)) + 1)]
 
 
+def centroids(model: _core.Model, mesh: dict[str, NDArray[Any]]) -> NDArray[Any]:
+    """(3, T): centroids of a model's triangles, in the units of its file."""
+    corners = (mesh["positions"] / model.stretch).T[:, mesh["indices"].T]
+    return (corners[:, 0] + corners[:, 1] + corners[:, 2]) / 3.0
+
+
 def inside_box(
-    model: _core.Model, mesh: dict[str, NDArray[Any]], box: PartBox, key: str
+    model: _core.Model, middles: NDArray[Any], box: PartBox, key: str
 ) -> NDArray[np.bool_]:
-    """(T,): whether a triangle's centroid is in a box; ConfigError with `key` if none is."""
-    centroids = (mesh["positions"] / model.stretch)[mesh["indices"]].mean(axis=1)
-    inside: NDArray[np.bool_] = ((centroids >= box.min) & (centroids <= box.max)).all(axis=1)
+    """(T,): whether a triangle's centroid, of `centroids`, is in a box; ConfigError with `key` if
+    none is."""
+    inside = np.ones(middles.shape[1], dtype=bool)
+    for along, low, high in zip(middles, box.min, box.max, strict=True):
+        inside &= (along >= low) & (along <= high)
     if not inside.any():
         raise ConfigError(f"{key}: no triangle is in it ({_extent_text(model)})")
     return inside
@@ -131,9 +139,10 @@ def _with_boxes(
     """Puts the triangles in boxes into groups of their own, which come first."""
     result = group + len(boxes)
     free = np.ones(len(group), dtype=bool)
+    middles = centroids(model, mesh) if boxes else np.empty((3, 0))
     for number, (name, box) in enumerate(boxes.items()):
         where = f"{key}.boxes.{name}"
-        inside = inside_box(model, mesh, box, where)
+        inside = inside_box(model, middles, box, where)
         if not (inside & free).any():
             why = "earlier boxes hold all its triangles"
             raise ConfigError(f"{where}: no triangle is left in it ({why})")
