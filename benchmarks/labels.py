@@ -1,4 +1,5 @@
-"""What every label and every format takes beside rendering: CPU time, one spacecraft and 300.
+"""What every label and every format takes beside rendering: CPU time in some scenes, and of 300
+spacecraft.
 
 A frame of 640x480 pixels with 16 samples, one thread, CPU time of the process, medians of some
 frames. The colour alone is what all ratios are to. `labels` is what all label channels of the table
@@ -35,6 +36,8 @@ from perilune.export.writers.run import NEXT, Begun, Dataset, tables_of
 
 LIMITS = {1: 0.15, 300: 0.5}
 """Of the colour, at most, for all labels and the files of the default format."""
+SCENES = ("demo", "voyager_phobos", "iss_leo")
+"""Configurations; the last two need the sample data."""
 DEFAULT = "bop"
 FRAMES = 4
 MODEL = str(report.ROOT / "assets/models/tango_like.glb")
@@ -43,10 +46,10 @@ COLOURS = {row["name"] for row in _core.CHANNELS if row["colour"]}
 BASE = "depth"
 
 
-def scene(count: int, frames: int) -> perilune.Simulation:
-    """The demo with some frames a scene; or this many small satellites, on a lattice in front of
-    its planet."""
-    sim = perilune.open(report.ROOT / "configs/demo.yaml")
+def scene(config: str, count: int, frames: int) -> perilune.Simulation:
+    """A configuration with some frames a scene; or the demo with this many small satellites, on a
+    lattice in front of its planet."""
+    sim = perilune.open(report.ROOT / f"configs/{config}.yaml")
     tree, changes = dict(sim.document.tree), {}
     if count > 1:
         ((name, craft),) = tree["spacecraft"].items()
@@ -163,9 +166,11 @@ def open_formats(
     return found, refused
 
 
-def measure(count: int, frames: int) -> tuple[dict[str, float], dict[str, float], list[str]]:
+def measure(
+    config: str, count: int, frames: int
+) -> tuple[dict[str, float], dict[str, float], list[str]]:
     """Medians in seconds: colour, labels and groups; files by format; what is left out."""
-    sim = scene(count, frames)
+    sim = scene(config, count, frames)
     names, refused = labels_of(sim)
     sim = perilune.open(
         sim.document.tree,
@@ -196,28 +201,36 @@ def measure(count: int, frames: int) -> tuple[dict[str, float], dict[str, float]
     return medians, files, [*refused, *more]
 
 
+def report_on(config: str, count: int, frames: int) -> None:
+    """Prints the table of a scene."""
+    found, files, refused = measure(config, count, frames)
+    # Alone, as the steadier: beside the colour they are a small difference of two long times.
+    colour, labels = found.pop("colour"), found["labels alone"]
+    print(f"{config}: {count} spacecraft, {found.pop('seen'):.0f} seen; colour {colour:.2f} s")
+    print("| what | s | of colour | with labels |")
+    print("| --- | --- | --- | --- |")
+    for name, seconds in found.items():
+        print(f"| {name} | {seconds:.3f} | {seconds / colour:.3f} | |")
+    for name, seconds in files.items():
+        both = (seconds + labels) / colour
+        print(f"| `{name}` | {seconds:.3f} | {seconds / colour:.3f} | {both:.3f} |")
+    limit = f", limit {LIMITS[count]}" if count in LIMITS else ""
+    ratio = (labels + files[DEFAULT]) / colour
+    print(f"all labels and {DEFAULT}, the default format: {ratio:.3f} of colour{limit}")
+    print("left out: " + "; ".join(" ".join(text.split()) for text in refused))
+
+
 def main() -> None:
-    """Prints a table a number of spacecraft."""
+    """Prints a table a scene, and one a number of spacecraft."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--counts", type=int, nargs="+", default=[1, 300])
+    parser.add_argument("--scenes", nargs="*", default=SCENES)
+    parser.add_argument("--counts", type=int, nargs="*", default=[300], help="of spacecraft")
     parser.add_argument("--frames", type=int, default=FRAMES)
     given = parser.parse_args()
+    for config in given.scenes:
+        report_on(config, 1, given.frames)
     for count in given.counts:
-        found, files, refused = measure(count, given.frames)
-        # Alone, as the steadier: beside the colour they are a small difference of two long times.
-        colour, labels = found.pop("colour"), found["labels alone"]
-        print(f"{count} spacecraft, {found.pop('seen'):.0f} seen; colour {colour:.2f} s")
-        print("| what | s | of colour | with labels |")
-        print("| --- | --- | --- | --- |")
-        for name, seconds in found.items():
-            print(f"| {name} | {seconds:.3f} | {seconds / colour:.3f} | |")
-        for name, seconds in files.items():
-            both = (seconds + labels) / colour
-            print(f"| `{name}` | {seconds:.3f} | {seconds / colour:.3f} | {both:.3f} |")
-        limit = f", limit {LIMITS[count]}" if count in LIMITS else ""
-        ratio = (labels + files[DEFAULT]) / colour
-        print(f"all labels and {DEFAULT}, the default format: {ratio:.3f} of colour{limit}")
-        print("left out: " + "; ".join(" ".join(text.split()) for text in refused))
+        report_on("demo", count, given.frames)
 
 
 if __name__ == "__main__":

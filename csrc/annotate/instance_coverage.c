@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "annotate/channel.h"
+#include "annotate/filled_pixel.h"
 #include "annotate/mixed_pixels.h"
 #include "scene/image_sample.h"
 #include "trace/tracer.h"
@@ -154,26 +155,40 @@ static void write_whole(const pl_instance_coverage *coverage, size_t at, float p
   }
 }
 
+/* Whether one instance, or nothing, is known to be seen over a whole pixel. */
+static bool is_whole(const pl_tile_result *result, const bool *mixed, const pl_fill *fill, int x,
+                     int y) {
+  const int pixel = y * PL_TILE_SIDE + x;
+  if (result->empty || !mixed[pixel])
+    return true;
+  const pl_point *point = &result->points[pixel];
+  return pl_fill_has(fill, point->surface_id, point->triangle, result->tile.x0 + x,
+                     result->tile.y0 + y);
+}
+
 void pl_instance_coverage_write(const pl_instance_coverage *coverage, const pl_snapshot *shot,
                                 const pl_tile_result *result) {
   const pl_tile tile = result->tile;
   bool mixed[PL_TILE_PIXELS];
   offset_list offsets;
+  pl_fill fill;
   tally t;
   for (int i = 0; i < coverage->settings.samples; i++)
     pl_image_sample_offset((uint32_t)i, coverage->settings.samples, offsets[i]);
   t.count = 0;
   t.last = PL_NO_SURFACE;
   t.last_id = 0;
-  if (!result->empty)
+  if (!result->empty) {
     pl_mixed_pixels_find(shot, result->coverage, tile, mixed);
+    pl_fill_begin(shot, coverage->adjacencies, tile, &fill);
+  }
   for (int y = 0; y < tile.height; y++)
     for (int x = 0; x < tile.width; x++) {
       const size_t column = (size_t)(tile.x0 + x), row = (size_t)(tile.y0 + y);
       const size_t at = row * (size_t)shot->rays.camera.width + column;
       const pl_surface_id id =
           result->empty ? PL_NO_SURFACE : result->points[y * PL_TILE_SIDE + x].surface_id;
-      if (result->empty || !mixed[y * PL_TILE_SIDE + x]) {
+      if (is_whole(result, mixed, &fill, x, y)) {
         const bool none = pl_surface_is_none(id);
         write_whole(coverage, at, none ? 0.0f : 1.0f, none ? 0 : instance_of(shot, id, &t));
         continue;

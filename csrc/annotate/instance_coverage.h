@@ -5,6 +5,7 @@
 
 #include <stdint.h>
 
+#include "geom/adjacency.h"
 #include "render/render.h"
 
 enum { PL_COVERAGE_SAMPLES_MAX = 1024, PL_COVERAGE_LAYERS_MAX = 16 };
@@ -22,6 +23,8 @@ typedef struct pl_instance_coverage {
   pl_instance_coverage_settings settings;
   float *parts; /* of the pixel's area, the largest first; NULL: not asked for */
   int32_t *ids; /* instances they belong to, 0 for layers that are not used; NULL: not asked for */
+  /* by object, to spare rays (filled_pixel.h); borrowed; NULL, or entries of NULL: not known */
+  const pl_adjacency *const *adjacencies;
 } pl_instance_coverage;
 
 /* Finds the images among those of pl_channels. Returns false if none is asked for. */

@@ -14,6 +14,8 @@ static const double REACH_PX = 0.55;
 /* Margin for rounding of the angles of a limb: a thousandth of a pixel of 1e-3 rad, and a hundred
  * times what rounding takes 1 mm above a planet. */
 static const double ROUNDING_RAD = 1e-9;
+/* Relative, of distances. */
+static const double ROUNDING = 1e-12;
 
 /* Bodies that a block may see; a tile with more is mixed as a whole. */
 enum { NEAR_MOST = 8 };
@@ -68,25 +70,53 @@ static bool has_rays(const pl_snapshot *shot, const double rect[4]) {
   return true;
 }
 
+static double nearest_m(const pl_shot_body *body) {
+  return pl_vec3_norm(body->center) - body->radius_m;
+}
+
+static double farthest_m(const pl_shot_body *body) {
+  return pl_vec3_norm(body->center) + body->radius_m;
+}
+
+/* Leaves out the bodies that `before` hides, which all rays of the block meet; NULL: none does. */
+static sight leave_out_hidden(const pl_snapshot *shot, const pl_shot_body *before,
+                              const sight *sights, nearby *seen) {
+  size_t kept = 0;
+  sight all = MISSED;
+  for (size_t i = 0; i < seen->count; i++) {
+    const pl_shot_body *body = &shot->bodies[seen->bodies[i]];
+    if (before != NULL && nearest_m(body) > farthest_m(before) * (1.0 + ROUNDING))
+      continue;
+    all = kept == 0 ? sights[i] : MAYBE; /* of two, one may hide the other in part */
+    seen->bodies[kept++] = seen->bodies[i];
+  }
+  seen->count = kept;
+  return all;
+}
+
 /* How a block sees the bodies `from`; those that it may see are written to `seen`. */
 static sight look(const search *s, const int block[4], const nearby *from, nearby *seen) {
   const double rect[4] = {block[0] - REACH_PX, block[1] - REACH_PX,
                           block[0] + block[2] - 1 + REACH_PX, block[1] + block[3] - 1 + REACH_PX};
+  const pl_shot_body *before = NULL;
+  sight sights[NEAR_MOST];
   cone cone;
-  sight all = MISSED;
   *seen = *from;
   if (!has_rays(s->shot, rect))
     return MAYBE;
   seen->count = 0;
   pl_snapshot_cone(s->shot, rect, &cone.axis, &cone.half_angle_rad);
   for (size_t i = 0; i < from->count; i++) {
-    const sight sight = look_at(&s->shot->bodies[from->bodies[i]], &cone);
+    const pl_shot_body *body = &s->shot->bodies[from->bodies[i]];
+    const sight sight = look_at(body, &cone);
     if (sight == MISSED)
       continue;
-    all = seen->count == 0 ? sight : MAYBE; /* of two, one may hide the other in part */
+    if (sight == MET && (before == NULL || farthest_m(body) < farthest_m(before)))
+      before = body;
+    sights[seen->count] = sight;
     seen->bodies[seen->count++] = from->bodies[i];
   }
-  return all;
+  return leave_out_hidden(s->shot, before, sights, seen);
 }
 
 static void set(const search *s, const int block[4], bool mixed) {

@@ -14,7 +14,8 @@
  * `coverage`: of the snapshot, valid in the rows of the tile.
  *
  * A pixel is mixed where a mesh or ground may be, by `coverage`; where the limb of an ellipsoid may
- * be; where one of two ellipsoids may hide the other; and where the lens may have no ray. */
+ * be, unless one that fills the pixel lies before it; where two ellipsoids are, unless the
+ * distances of their points say which is before the other; and where the lens may have no ray. */
 void pl_mixed_pixels_find(const pl_snapshot *shot, const pl_coverage *coverage, pl_tile tile,
                           bool mixed[PL_TILE_PIXELS]);
 

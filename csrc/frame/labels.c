@@ -8,11 +8,13 @@
 void pl_label_tools_init(pl_label_tools *tools) {
   tools->solo = NULL;
   pl_cluster_cache_init(&tools->clusters);
+  pl_adjacency_cache_init(&tools->adjacencies);
 }
 
 void pl_label_tools_clear(pl_label_tools *tools) {
   pl_solo_destroy(tools->solo);
   pl_cluster_cache_clear(&tools->clusters);
+  pl_adjacency_cache_clear(&tools->adjacencies);
   pl_label_tools_init(tools);
 }
 
@@ -69,6 +71,22 @@ static pl_status prepare_ground(pl_arena *arena, pl_labels *out) {
   return PL_OK;
 }
 
+/* Edges of the models in view, by object. */
+static pl_status prepare_coverage(const pl_snapshot *shot, pl_label_tools *tools, pl_arena *arena,
+                                  pl_instance_coverage *out) {
+  void *memory;
+  PL_TRY(pl_instance_coverage_check(out));
+  PL_TRY(take(arena, shot->object_count, sizeof(const pl_adjacency *), &memory));
+  const pl_adjacency **list = memory;
+  for (size_t i = 0; i < shot->object_count; i++) {
+    list[i] = NULL;
+    if (shot->objects[i].in_frame)
+      PL_TRY(pl_adjacency_cache_get(&tools->adjacencies, shot->objects[i].object->model, &list[i]));
+  }
+  out->adjacencies = list;
+  return PL_OK;
+}
+
 pl_status pl_labels_prepare(const pl_frame_request *request, const pl_snapshot *shot,
                             pl_label_tools *tools, pl_arena *arena, pl_labels *out) {
   void *memory;
@@ -80,7 +98,7 @@ pl_status pl_labels_prepare(const pl_frame_request *request, const pl_snapshot *
   PL_TRY(prepare_ground(arena, out));
   out->clouds = pl_cloud_map_find(request->channels);
   if (pl_instance_coverage_init(&request->coverage, request->channels, &out->coverage))
-    PL_TRY(pl_instance_coverage_check(&out->coverage));
+    PL_TRY(prepare_coverage(shot, tools, arena, &out->coverage));
   if (request->objects == NULL && request->masks == NULL && request->group_labels == NULL)
     return PL_OK;
   PL_TRY(take(arena, extents, sizeof(pl_extent), &memory));

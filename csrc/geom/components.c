@@ -43,8 +43,7 @@ static size_t table_size(size_t vertices) {
   return size;
 }
 
-/* Makes the first vertex at each position the parent of all others at that position. */
-static pl_status weld(const pl_model *model, uint32_t *parent) {
+pl_status pl_components_weld(const pl_model *model, uint32_t *first) {
   const size_t size = table_size(model->vertex_count);
   void *memory;
   PL_TRY(pl_alloc_or_fail(size, sizeof(uint32_t), "the table of a model's positions", &memory));
@@ -54,7 +53,7 @@ static pl_status weld(const pl_model *model, uint32_t *parent) {
     float p[3], other[3];
     position_of(model, v, p);
     size_t slot = (size_t)pl_hash(PL_HASH_SEED, p, sizeof p) & (size - 1);
-    parent[v] = (uint32_t)v;
+    first[v] = (uint32_t)v;
     for (; table[slot] != NONE; slot = (slot + 1) & (size - 1)) {
       position_of(model, table[slot], other);
       if (memcmp(p, other, sizeof p) == 0)
@@ -63,7 +62,7 @@ static pl_status weld(const pl_model *model, uint32_t *parent) {
     if (table[slot] == NONE)
       table[slot] = (uint32_t)v;
     else
-      parent[v] = table[slot];
+      first[v] = table[slot];
   }
   pl_free(table);
   return PL_OK;
@@ -123,7 +122,7 @@ pl_status pl_components_find(const pl_model *model, uint32_t *triangle_component
   PL_TRY(
       pl_alloc_or_fail(model->vertex_count, 2 * sizeof(uint32_t), "a model's vertices", &memory));
   uint32_t *parent = memory;
-  pl_status status = weld(model, parent);
+  pl_status status = pl_components_weld(model, parent);
   if (status == PL_OK) {
     for (size_t t = 0; t < model->triangle_count; t++) {
       unite(parent, model->indices[3 * t], model->indices[3 * t + 1]);

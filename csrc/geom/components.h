@@ -8,6 +8,10 @@
 #include "base/status.h"
 #include "geom/model.h"
 
+/* Sets first[v] to the first vertex at the position of each vertex v: bit for bit, 0 = -0.
+ * PL_E_MEMORY when out of memory. */
+pl_status pl_components_weld(const pl_model *model, uint32_t *first);
+
 /* Two triangles are connected when they share a corner position; normals and uv do not matter:
  * vertices at the same position (bit for bit, 0 = -0) are one. Components are numbered from 0 by
  * decreasing number of triangles, equal ones by their first triangle, so that the numbers depend on

@@ -138,6 +138,27 @@ static void test_limbs(void **state) {
   check_worlds(24, 3, false, -1, 2);
 }
 
+/* A small ellipsoid before a large one: what lies far behind another is hidden. */
+static void test_one_before_another(void **state) {
+  (void)state;
+  test_random random = {.seed = 8};
+  sums sums = {0};
+  for (int i = 0; i < 12; i++) {
+    stage stage;
+    stage_init(&stage, WIDTH, HEIGHT, 60.0);
+    for (int k = 0; k < 2; k++) {
+      const double away = k == 0 ? 10.0 : 1000.0, part = k == 0 ? 0.2 : 0.5;
+      stage_add_body(&stage,
+                     (pl_vec3){away * random_range(&random, -0.4, 0.4),
+                               away * random_range(&random, -0.3, 0.3), away},
+                     (pl_vec3){part * away, 0.8 * part * away, part * away}, 0.5f);
+    }
+    check_shot(&stage, &random, &sums);
+    stage_clear(&stage);
+  }
+  assert_true(sums.differ > 0 && sums.mixed < 2.5 * sums.differ);
+}
+
 static void test_slivers(void **state) {
   (void)state;
   const sums sums = check_worlds(16, 2, true, -1, 3);
@@ -180,7 +201,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       serial_unit_test(test_limbs),    serial_unit_test(test_slivers),
       serial_unit_test(test_lenses),   serial_unit_test(test_many_bodies),
-      serial_unit_test(test_extremes),
+      serial_unit_test(test_extremes), serial_unit_test(test_one_before_another),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
