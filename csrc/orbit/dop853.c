@@ -48,7 +48,8 @@ static double scaled_norm(const pl_ode *ode, const double *v, const double *y,
     const double scale =
         ode->atol + ode->rtol * fmax(at, other ? length(other + i, ode->vector) : at);
     const double part = length(v + i, ode->vector);
-    sum += part > 0.0 ? (part / scale) * (part / scale) : 0.0; /* a zero vector may have scale 0 */
+    /* a zero vector may have scale 0; NaN stays, so that the step is rejected */
+    sum += part == 0.0 ? 0.0 : (part / scale) * (part / scale);
   }
   return sqrt(sum / (double)(ode->size / ode->vector));
 }
@@ -109,7 +110,7 @@ static double step_error(const pl_ode *ode, const double *y0, const double *y1, 
   add_row(&pl_dop853_error3, ode->size, k, e3);
   const double n5 = scaled_norm(ode, e5, y0, y1), n3 = scaled_norm(ode, e3, y0, y1);
   const double both = n5 * n5 + 0.01 * n3 * n3;
-  return both > 0.0 ? fabs(h) * n5 * n5 / sqrt(both) : 0.0;
+  return both == 0.0 ? 0.0 : fabs(h) * n5 * n5 / sqrt(both);
 }
 
 /* y1 = y0 + h k with Neumaier's compensated addition, which prevents the accumulation of rounding

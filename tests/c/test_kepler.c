@@ -369,15 +369,46 @@ static void test_extremes(void **state) {
     }
 }
 
+/* 1/a of states near the periapsis of eccentric orbits, where potential and kinetic energy are
+ * nearly alike: as in the 64 bits of x86's long double, so that many revolutions later the phase is
+ * right. */
+static void test_energy_near_the_periapsis(void **state) {
+  (void)state;
+  const double gm = 3.986004418e14;
+  if (sizeof(long double) == sizeof(double))
+    skip();
+  for (size_t row = 0; row < 2000; row++) {
+    const double e = 0.9 + 4.9e-5 * (double)row, turn = 0.001 * (double)row;
+    const double r = 7e6, v = sqrt(gm * (1.0 + e) / r);
+    const pl_state at = {{r * cos(turn), r * sin(turn), 1e5}, {-v * sin(turn), v * cos(turn), 3.0}};
+    const long double x = at.r_m.x, y = at.r_m.y, z = at.r_m.z;
+    const long double vx = at.v_m_s.x, vy = at.v_m_s.y, vz = at.v_m_s.z;
+    const long double potential = 2.0L * (long double)gm / sqrtl(x * x + y * y + z * z);
+    const long double exact = potential - (vx * vx + vy * vy + vz * vz);
+    pl_orbit orbit;
+    assert_int_equal(pl_orbit_from_state(&at, gm, &orbit), PL_OK);
+    const double noise = 4.0 * 0x1p-63 * (double)potential; /* of the long double itself */
+    assert_true(fabs(orbit.alpha_m2_s2 - (double)exact) <= EPS * fabs((double)exact) + noise);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_stumpff),           cmocka_unit_test(test_ellipse),
-      cmocka_unit_test(test_hyperbola),         cmocka_unit_test(test_parabola),
-      cmocka_unit_test(test_near_parabolic),    cmocka_unit_test(test_parabola_is_a_limit),
-      cmocka_unit_test(test_invariants),        cmocka_unit_test(test_elements),
-      cmocka_unit_test(test_singular_elements), cmocka_unit_test(test_propagation),
-      cmocka_unit_test(test_two_body_file),     cmocka_unit_test(test_bad_input),
-      cmocka_unit_test(test_extremes),          cmocka_unit_test(test_radial),
+      cmocka_unit_test(test_stumpff),
+      cmocka_unit_test(test_ellipse),
+      cmocka_unit_test(test_hyperbola),
+      cmocka_unit_test(test_parabola),
+      cmocka_unit_test(test_near_parabolic),
+      cmocka_unit_test(test_parabola_is_a_limit),
+      cmocka_unit_test(test_invariants),
+      cmocka_unit_test(test_elements),
+      cmocka_unit_test(test_singular_elements),
+      cmocka_unit_test(test_propagation),
+      cmocka_unit_test(test_two_body_file),
+      cmocka_unit_test(test_bad_input),
+      cmocka_unit_test(test_extremes),
+      cmocka_unit_test(test_radial),
+      cmocka_unit_test(test_energy_near_the_periapsis),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
