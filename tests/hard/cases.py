@@ -23,7 +23,8 @@ _HEAD = """# Hard cases
 Inputs at which straightforward code gives NaN, hangs, loses digits or draws artefacts, and what
 holds here instead. The table is `tests/hard/cases.yaml`; `python -m tests.hard.cases` writes this
 page, and a test checks both: every test that is named exists, and every case of the design's list
-is here.
+is here. `script/guards` replaces the code that makes them hold by naive code, one place at a time,
+and lists the cases whose tests notice.
 """
 
 
@@ -60,6 +61,12 @@ def names_in(file: str) -> frozenset[str]:
     found = ast.walk(ast.parse(text))
     names = [node.name for node in found if isinstance(node, ast.FunctionDef)]
     return frozenset(name for name in names if name.startswith("test_"))
+
+
+def function_of(test: str) -> tuple[str, str]:
+    """File and function of a test, of which a row may name one instance: FILE::NAME[PARAMETERS]."""
+    file, _, name = test.partition("::")
+    return file, name.partition("[")[0]
 
 
 def _row(case: Case) -> str:

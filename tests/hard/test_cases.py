@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from tests.hard.cases import NUMBERED, PAGE, TESTS, cases, names_in, page
+from tests.hard.cases import NUMBERED, PAGE, TESTS, cases, function_of, names_in, page
 
 
 def test_every_test_that_is_named_exists() -> None:
@@ -10,7 +10,7 @@ def test_every_test_that_is_named_exists() -> None:
     for case in cases():
         if case.missing:
             continue
-        file, _, name = case.test.partition("::")
+        file, name = function_of(case.test)
         if not (TESTS / file).is_file() or name not in names_in(file):
             wrong.append(case.test)
     assert wrong == []
