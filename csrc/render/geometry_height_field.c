@@ -2,9 +2,9 @@
  * is the tile, the last two weights are the tile's grid coordinates, and the first is how far the
  * position lies above the plane of the triangle, m. */
 #include "render/body_surface.h"
+#include "render/fine_slopes.h"
 #include "render/geometry.h"
 #include "scene/shot_frame.h"
-#include "shade/reflectance.h"
 #include "terrain/ground_patch.h"
 #include "terrain/sub_cell.h"
 
@@ -62,15 +62,6 @@ static pl_vec3f smooth_normal(const pl_snapshot *shot, const pl_vertex *vertex) 
                  pl_height_field_normal(body->field, vertex->triangle, vertex->w[1], vertex->w[2]));
 }
 
-/* Views of the ground count as at least this steep: footprints are no longer than that. */
-static const double LEAST_COSINE = 0.02;
-
-/* Width of a square as large as a beam's footprint. */
-static double footprint_m(const pl_vertex *vertex, const pl_beam *beam) {
-  const double cosine = fabs(pl_vec3_dot(beam->direction, pl_vec3f_to_double(vertex->ng)));
-  return (double)pl_beam_width(beam, vertex->t) / sqrt(fmax(cosine, LEAST_COSINE));
-}
-
 /* A slope over the horizon as one to a surface with a unit normal, on which it is laid. */
 static pl_vec3 slope_on(pl_vec3 normal, pl_vec3 up, pl_vec3 slope) {
   static const double LEAST = 0.1; /* where both are so steep that the sum overhangs */
@@ -80,35 +71,18 @@ static pl_vec3 slope_on(pl_vec3 normal, pl_vec3 up, pl_vec3 slope) {
 }
 
 /* Slopes that the ground has are not in its law of reflectance, too. */
-static void share_roughness(const pl_terrain *terrain, pl_regolith *regolith) {
-  float given = -1.0f, left = 0.0f;
-  for (int k = 0; k < 3; k++) {
-    float *own = &regolith->band[k].roughness_rad;
-    if (*own != given) {
-      given = *own;
-      left = (float)pl_terrain_roughness_left(terrain, (double)given);
-    }
-    *own = left;
-  }
-}
-
-/* Slopes finer than the mesh are facets, which models that know none have as a bent normal. */
 static void add_slopes(const pl_shot_body *body, const pl_beam *beam, pl_vertex *vertex) {
-  pl_surface *surface = &vertex->surface;
+  const pl_terrain *terrain = body->field->terrain;
   const pl_ground_tile *tile = body->field->tiles[vertex->triangle];
   const pl_vec3 up =
       pl_vec3_unit(pl_mat3_mul_vec_t(body->rotation, pl_vec3_sub(vertex->position, body->center)));
-  const pl_sub_cell left = pl_terrain_sub_cell(
-      body->field->terrain, up, pl_ground_tile_lattice(tile->id), footprint_m(vertex, beam));
-  const pl_vec3 normal = pl_mat3_mul_vec_t(body->rotation, pl_vec3f_to_double(surface->n));
-  const pl_vec3f slope = to_root(body, slope_on(normal, up, left.slope));
-  if (surface->reflectance->photometric)
-    share_roughness(body->field->terrain, &surface->regolith);
-  if (surface->reflectance->photometric || surface->reflectance == &pl_reflectance_lambert)
-    surface->rough = (pl_rough){slope, (float)fmax(left.variance, 0.0), (float)left.whole,
-                                (float)left.stones, (float)left.stone_height};
-  else
-    pl_surface_set_frame(surface, pl_vec3f_unit(pl_vec3f_sub(surface->n, slope)), surface->t, 1.0f);
+  const pl_sub_cell left = pl_terrain_sub_cell(terrain, up, pl_ground_tile_lattice(tile->id),
+                                               pl_fine_slopes_footprint_m(vertex, beam));
+  const pl_vec3 normal = pl_mat3_mul_vec_t(body->rotation, pl_vec3f_to_double(vertex->surface.n));
+  const pl_rough rough = {to_root(body, slope_on(normal, up, left.slope)),
+                          (float)fmax(left.variance, 0.0), (float)left.whole, (float)left.stones,
+                          (float)left.stone_height};
+  pl_fine_slopes_set(vertex, &rough, pl_terrain_shared_variance(terrain));
 }
 
 static void shade(const pl_snapshot *shot, const pl_beam *beam, pl_detail detail,

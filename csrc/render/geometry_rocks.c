@@ -1,8 +1,10 @@
 /* Rocks on the terrain of bodies: meshes with the surface of the body. In a vertex on a rock,
  * `triangle` counts among the rocks of all tiles of the body's height field. */
 #include "render/body_surface.h"
+#include "render/fine_slopes.h"
 #include "render/geometry.h"
 #include "terrain/height_field.h"
+#include "terrain/rock_relief.h"
 
 static pl_vec3f to_root(const pl_shot_body *body, pl_vec3 v) {
   return pl_vec3_to_float(pl_mat3_mul_vec(body->rotation, v));
@@ -59,9 +61,27 @@ static pl_vec3f smooth_normal(const pl_snapshot *shot, const pl_vertex *vertex) 
   return to_root(body, pl_rock_hit_normal(&rock, vertex->w));
 }
 
+/* Grain and relief of the rock itself. */
 static void shade(const pl_snapshot *shot, const pl_beam *beam, pl_detail detail,
                   pl_vertex *vertex) {
-  pl_body_surface_shade(shot, pl_shot_body_of(shot, vertex->surface_id), beam, detail, vertex);
+  const pl_shot_body *body = pl_shot_body_of(shot, vertex->surface_id);
+  pl_surface *surface = &vertex->surface;
+  pl_body_surface_shade(shot, body, beam, detail, vertex);
+  if (!detail.maps && !detail.sub_cell)
+    return;
+  const pl_rock *rock = &pl_height_field_rock(body->field, vertex->triangle).rock->rock;
+  const pl_vec3 from =
+      pl_mat3_mul_vec_t(body->rotation, pl_vec3_sub(vertex->position, body->center));
+  const pl_vec3 point = pl_vec3_sub(from, rock->center);
+  const double footprint_m = pl_fine_slopes_footprint_m(vertex, beam);
+  if (detail.maps)
+    surface->color = pl_vec3f_scale(surface->color, (float)pl_rock_tint(rock, point, footprint_m));
+  if (!detail.sub_cell || detail.color_only)
+    return;
+  const pl_vec3 normal = pl_mat3_mul_vec_t(body->rotation, pl_vec3f_to_double(surface->n));
+  const pl_rock_relief relief = pl_rock_relief_at(rock, point, normal, footprint_m);
+  const pl_rough rough = {.slope = to_root(body, relief.slope), .whole = (float)relief.variance};
+  pl_fine_slopes_set(vertex, &rough, relief.variance);
 }
 
 /* As terrain: points are camera-relative. */

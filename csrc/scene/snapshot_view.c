@@ -6,6 +6,7 @@
 #include "shade/towns.h"
 #include "shade/water.h"
 #include "terrain/ground_levels.h"
+#include "terrain/rock_relief.h"
 
 double pl_shot_irradiance_max(const pl_snapshot *shot, pl_vec3 center, double radius_m) {
   const pl_vec3 to_sun = pl_vec3_sub(shot->sun.position, center);
@@ -115,16 +116,20 @@ static float map_max(const pl_body *body, const pl_body_state *state, int band) 
     most *= (float)pl_wheel_tracks_brightest(pl_terrain_tracks(body->terrain));
   if (body->terrain != NULL)
     most *= (float)pl_terrain_texture_brightest(body->terrain);
+  if (body->terrain != NULL && pl_terrain_rocks(body->terrain) != NULL)
+    most *= (float)PL_ROCK_TINT_MOST;
   most *= 1.0f + fmaxf(state->contrast, 0.0f);
   return body->terrain != NULL ? most * (float)(1.0 + pl_terrain_ray_brightness(body->terrain))
                                : most;
 }
 
+/* Rasters and textures of terrain, and the grain of its rocks. */
 static bool has_rasters(const pl_body *body) {
   return body->terrain != NULL &&
          (pl_terrain_albedo(body->terrain)->count > 0 ||
           pl_terrain_roughness(body->terrain)->count > 0 ||
-          pl_terrain_has_textures(body->terrain) || pl_terrain_tracks(body->terrain) != NULL);
+          pl_terrain_has_textures(body->terrain) || pl_terrain_tracks(body->terrain) != NULL ||
+          pl_terrain_rocks(body->terrain) != NULL);
 }
 
 /* Upper bound of the albedo: the reflectance of the body's brightest soil in its brightest
@@ -144,7 +149,8 @@ static double albedo_max(const pl_body *body, const pl_body_state *state) {
     float *roughness = &surface.regolith.band[k].roughness_rad; /* which takes light away */
     if (body->terrain != NULL && pl_terrain_roughness(body->terrain)->count > 0)
       *roughness = fminf(*roughness, (float)pl_terrain_roughness(body->terrain)->low);
-    if (body->terrain != NULL && pl_terrain_has_textures(body->terrain))
+    if (body->terrain != NULL &&
+        (pl_terrain_has_textures(body->terrain) || pl_terrain_rocks(body->terrain) != NULL))
       *roughness = 0.0f;
   }
   surface.color = pl_vec3f_make(color[0], color[1], color[2]);

@@ -7,27 +7,31 @@
 /* Heights over widths are 0.54 on average, with a scatter (Demidov and Basilevsky 2014). */
 const pl_rock_family pl_rock_families[PL_ROCK_FAMILIES] = {
     [PL_ROCK_BLOCK] = {"block", "Angular, with flat faces.", 0.82, 0.62, 9, 0.52, 0.80, 6, 0.03,
-                       0.016, 15},
+                       0.04, 0.5, 15},
     [PL_ROCK_CUBE] = {"cube", "Six faces at about right angles.", 0.88, 0.70, 6, 0.58, 0.70, 6,
-                      0.03, 0.014, 12},
+                      0.03, 0.035, 0.4, 12},
     [PL_ROCK_WEDGE] = {"wedge", "Few large faces at sharp angles.", 0.80, 0.58, 7, 0.35, 0.74, 6,
-                       0.03, 0.016, 12},
+                       0.03, 0.04, 0.5, 12},
     [PL_ROCK_SLAB] = {"slab", "Flat, with a broken outline.", 0.80, 0.30, 10, 0.55, 0.85, 6, 0.03,
-                      0.016, 12},
-    [PL_ROCK_TABLET] = {"tablet", "Flat and rounded.", 0.85, 0.38, 10, 0.65, 0.95, 3, 0.10, 0.035,
-                        0},
-    [PL_ROCK_SHARD] = {"shard", "Long and sharp.", 0.50, 0.40, 10, 0.42, 0.85, 6, 0.03, 0.016, 10},
+                      0.04, 0.4, 12},
+    [PL_ROCK_TABLET] = {"tablet", "Flat and rounded.", 0.85, 0.38, 10, 0.65, 0.95, 3, 0.10, 0.05,
+                        0.6, 0},
+    [PL_ROCK_SHARD] = {"shard", "Long and sharp.", 0.50, 0.40, 10, 0.42, 0.85, 6, 0.03, 0.04, 0.5,
+                       10},
     [PL_ROCK_SPLIT] = {"split", "Rounded, with a few fresh faces.", 0.82, 0.60, 4, 0.32, 0.80, 6,
-                       0.08, 0.030, 6},
+                       0.08, 0.05, 0.6, 6},
     [PL_ROCK_COBBLE] = {"cobble", "Rounded by long exposure.", 0.85, 0.60, 10, 0.68, 0.95, 2, 0.12,
-                        0.035, 0},
+                        0.05, 0.7, 0},
     [PL_ROCK_BOULDER] = {"boulder", "Blocky, with worn edges.", 0.82, 0.62, 9, 0.52, 0.82, 4, 0.06,
-                         0.030, 12},
-    [PL_ROCK_EGG] = {"egg", "Nearly an ellipsoid.", 0.80, 0.64, 5, 0.80, 1.00, 2, 0.10, 0.030, 0},
+                         0.06, 0.8, 12},
+    [PL_ROCK_EGG] = {"egg", "Nearly an ellipsoid.", 0.80, 0.64, 5, 0.80, 1.00, 2, 0.10, 0.04, 0.5,
+                     0},
     [PL_ROCK_BRECCIA] = {"breccia", "Knobbly, of fragments of many sizes.", 0.82, 0.58, 10, 0.65,
-                         0.95, 3, 0.16, 0.060, 0},
-    [PL_ROCK_PITTED] = {"pitted", "Worn and rough.", 0.84, 0.60, 10, 0.65, 0.90, 3, 0.08, 0.080, 0},
-    [PL_ROCK_MODEL] = {"model", "One of the user's models.", 1.0, 1.0, 0, 1.0, 1.0, 2, 0.0, 0.0, 0},
+                         0.95, 3, 0.16, 0.07, 1.0, 0},
+    [PL_ROCK_PITTED] = {"pitted", "Worn and rough.", 0.84, 0.60, 10, 0.65, 0.90, 3, 0.08, 0.09, 0.2,
+                        0},
+    [PL_ROCK_MODEL] = {"model", "One of the user's models.", 1.0, 1.0, 0, 1.0, 1.0, 2, 0.0, 0.0,
+                       0.0, 0},
 };
 
 static pl_vec3 next_direction(pl_philox_stream *s) {
@@ -84,6 +88,12 @@ static double cut_radius(const pl_rock_variant *ball, pl_vec3 d) {
   return 1.0 / sum;
 }
 
+/* Noise, more or less folded: knobs with grooves between them, where it is 0. Within -1 and 1. */
+static double relief_at(const pl_rock_family *of, pl_vec3 point, uint32_t seed) {
+  const double n = (double)pl_noise(point, seed);
+  return (1.0 - of->knobs) * n + of->knobs * fmin(1.5 * fabs(n) - 0.25, 1.0);
+}
+
 double pl_rock_variant_radius(const pl_rock_variant *variant, pl_vec3 d) {
   const pl_rock_family *of = variant->family;
   if (variant->scan != NULL)
@@ -91,8 +101,7 @@ double pl_rock_variant_radius(const pl_rock_variant *variant, pl_vec3 d) {
   double factor = 1.0 + of->lumps * (double)pl_noise(pl_vec3_scale(d, 1.2), variant->seed);
   double amplitude = of->roughness, frequency = 3.0;
   for (int k = 1; k < PL_ROCK_OCTAVES + 1; k++) {
-    factor +=
-        amplitude * (double)pl_noise(pl_vec3_scale(d, frequency), variant->seed + (uint32_t)k);
+    factor += amplitude * relief_at(of, pl_vec3_scale(d, frequency), variant->seed + (uint32_t)k);
     amplitude *= 0.5;
     frequency *= 2.1;
   }

@@ -127,8 +127,10 @@ double pl_terrain_slope_variance(const pl_terrain *terrain, double cell_m) {
          part * (table->beyond[level + 1] + table->craters[level + 1] + table->textures[level + 1]);
 }
 
+double pl_terrain_shared_variance(const pl_terrain *terrain) { return terrain->slopes.shared; }
+
 /* Hapke's mean slope: tan(theta) is sqrt(2/pi) times the deviation of slopes along an axis. */
-double pl_terrain_roughness_left(const pl_terrain *terrain, double roughness_rad) {
+double pl_roughness_without(double roughness_rad, double variance) {
   const double tangent = tan(roughness_rad);
-  return atan(sqrt(fmax(tangent * tangent - 2.0 / PL_PI * terrain->slopes.shared, 0.0)));
+  return atan(sqrt(fmax(tangent * tangent - 2.0 / PL_PI * variance, 0.0)));
 }

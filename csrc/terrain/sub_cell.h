@@ -27,9 +27,12 @@ pl_sub_cell pl_terrain_sub_cell(const pl_terrain *terrain, pl_vec3 direction, in
  * of detail and craters. */
 double pl_terrain_slope_variance(const pl_terrain *terrain, double cell_m);
 
-/* Returns the part of Hapke's macroscopic roughness that slopes finer than all detail have. Slopes
- * of detail and craters below roughness_baseline_m are taken off: the terrain has them itself, as
- * geometry or as variance. */
-double pl_terrain_roughness_left(const pl_terrain *terrain, double roughness_rad);
+/* Returns the variance of the slopes of detail and craters below roughness_baseline_m, which the
+ * terrain has itself, as geometry or as variance: laws of reflectance have it no more. */
+double pl_terrain_shared_variance(const pl_terrain *terrain);
+
+/* Returns the part of Hapke's macroscopic roughness that is left without slopes of a variance along
+ * an axis. */
+double pl_roughness_without(double roughness_rad, double variance);
 
 #endif

@@ -68,7 +68,8 @@ static double normals_cost_ms(const pl_view *view, int value) {
 
 const pl_effect pl_effect_sub_cell_normals = {
     .name = "sub_cell_normals",
-    .doc = "Slopes of terrain that are finer than the cells of its mesh, in normals down to the "
+    .doc = "Slopes of terrain and its rocks that are finer than the cells of its mesh, in normals "
+           "down to the "
            "footprint of a sample and beyond in the reflectance; off: left out",
     .absent = terrain_absent,
     .ceiling = pl_effect_ceiling_one,
