@@ -61,6 +61,23 @@ bool pl_cube_beside(int face, pl_vec3 direction, double *s, double *t) {
   return true;
 }
 
+/* An angle in a plane through the centre changes across the direction's part in that plane. */
+static pl_vec3 gradient_of(const double v[3], int outward, double sign_outward, int across,
+                           double sign_across) {
+  double out[3] = {0.0, 0.0, 0.0};
+  const double scale = 4.0 / PL_PI / (v[outward] * v[outward] + v[across] * v[across]);
+  out[across] = sign_across * sign_outward * v[outward] * scale;
+  out[outward] = -sign_across * sign_outward * v[across] * scale;
+  return (pl_vec3){out[0], out[1], out[2]};
+}
+
+void pl_cube_gradients(int face, pl_vec3 direction, pl_vec3 *s, pl_vec3 *t) {
+  const double v[3] = {direction.x, direction.y, direction.z};
+  const face_axes *axes = &FACES[face];
+  *s = gradient_of(v, axes->axis[0], axes->sign[0], axes->axis[1], axes->sign[1]);
+  *t = gradient_of(v, axes->axis[0], axes->sign[0], axes->axis[2], axes->sign[2]);
+}
+
 double pl_cube_cell_m(int level, double radius_m) { return ldexp(0.5 * PL_PI * radius_m, -level); }
 
 int pl_cube_level(double cell_m, double radius_m) {

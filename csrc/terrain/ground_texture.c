@@ -27,7 +27,7 @@ typedef struct patch {
   int face;
   int64_t node[2]; /* of the face's lattice */
   double x, y, weight;
-  pl_vec3 dx, dy;
+  pl_vec3 dx, dy, dweight;
 } patch;
 
 static const pl_raster *first_of(const pl_ground_texture *texture) {
@@ -45,50 +45,66 @@ static double edge_m(const pl_ground_texture *texture) {
   return EDGE * texture->size_m * fmin(1.0, tall(first_of(texture)));
 }
 
-/* Places the image of a patch at a point: `to` is the direction of the point. */
-static void place_image(const pl_ground_texture *texture, double radius_m, pl_vec3 to, patch *out) {
+/* The image about a node: its middle's place in the image over width and height, and axes. */
+typedef struct laid_image {
+  int face; /* -1: none */
+  int64_t node[2];
+  pl_vec3 at, dx, dy;
+  double x, y;
+} laid_image;
+
+static void lay_image(const pl_ground_texture *texture, double radius_m, const patch *about,
+                      laid_image *out) {
   const double edge = edge_m(texture);
-  const int face = out->face;
-  const int64_t *node = out->node;
+  const int64_t *node = about->node;
   const double unit = 1.0 / (0.25 * PL_PI * radius_m);
   const pl_vec3 at =
-      pl_cube_direction(face, edge * ((double)node[0] + 0.5 * (double)node[1]) * unit,
+      pl_cube_direction(about->face, edge * ((double)node[0] + 0.5 * (double)node[1]) * unit,
                         edge * ROOT3_2 * (double)node[1] * unit);
   const uint64_t key[2] = {texture->seed, UINT64_C(0x74657874757265)};
-  const uint64_t counter[4] = {(uint64_t)face, (uint64_t)node[0], (uint64_t)node[1], 0};
+  const uint64_t counter[4] = {(uint64_t)about->face, (uint64_t)node[0], (uint64_t)node[1], 0};
   uint64_t words[4];
   pl_philox(key, counter, words);
   const double turn = 2.0 * PL_PI * pl_philox_double(words[0]);
   const pl_vec3 other = fabs(at.z) < 0.7 ? (pl_vec3){0.0, 0.0, 1.0} : (pl_vec3){1.0, 0.0, 0.0};
   const pl_vec3 a = pl_vec3_unit(pl_vec3_cross(other, at)), b = pl_vec3_cross(at, a);
-  const pl_vec3 off = pl_vec3_scale(pl_vec3_sub(to, at), radius_m);
-  const double u = pl_vec3_dot(off, a), v = pl_vec3_dot(off, b);
   const double cosine = cos(turn), sine = sin(turn);
   const double high_m = texture->size_m * tall(first_of(texture));
   const double free_x = 1.0 - 2.0 * edge / texture->size_m, free_y = 1.0 - 2.0 * edge / high_m;
-  out->x = edge / texture->size_m + free_x * pl_philox_double(words[1]) +
-           (u * cosine - v * sine) / texture->size_m;
-  out->y = edge / high_m + free_y * pl_philox_double(words[2]) + (u * sine + v * cosine) / high_m;
-  out->dx = pl_vec3_madd(pl_vec3_scale(a, cosine / texture->size_m), -sine / texture->size_m, b);
-  out->dy = pl_vec3_madd(pl_vec3_scale(a, sine / high_m), cosine / high_m, b);
+  *out = (laid_image){
+      .face = about->face,
+      .node = {node[0], node[1]},
+      .at = at,
+      .dx = pl_vec3_madd(pl_vec3_scale(a, cosine / texture->size_m), -sine / texture->size_m, b),
+      .dy = pl_vec3_madd(pl_vec3_scale(a, sine / high_m), cosine / high_m, b),
+      .x = edge / texture->size_m + free_x * pl_philox_double(words[1]),
+      .y = edge / high_m + free_y * pl_philox_double(words[2]),
+  };
 }
 
-/* Adds the three patches about a point on a face with a share; returns their number. */
-static int add_face(const pl_ground_texture *texture, double radius_m, int face, double s, double t,
-                    double share, patch *out) {
-  const double edge = edge_m(texture), unit = 0.25 * PL_PI * radius_m / edge;
-  const double q = t * unit / ROOT3_2, r = s * unit - 0.5 * q;
-  const int64_t i = (int64_t)floor(r), j = (int64_t)floor(q);
-  const double f = r - (double)i, g = q - (double)j;
-  const bool upper = f + g > 1.0;
-  const int64_t nodes[3][2] = {{i + upper, j + upper}, {i + 1, j}, {i, j + 1}};
-  const double w[3] = {upper ? f + g - 1.0 : 1.0 - f - g, upper ? 1.0 - g : f, upper ? 1.0 - f : g};
-  int count = 0;
-  for (int k = 0; k < 3; k++)
-    if (w[k] > 0.0) /* Squares: they fall to 0 without a kink. */
-      out[count++] =
-          (patch){.face = face, .node = {nodes[k][0], nodes[k][1]}, .weight = share * w[k] * w[k]};
-  return count;
+/* Images of nodes, kept while neighbouring points are looked at. */
+enum { KEPT = 16 };
+typedef struct kept_images {
+  laid_image slots[KEPT];
+} kept_images;
+
+static void keep_none(kept_images *kept) {
+  for (int k = 0; k < KEPT; k++)
+    kept->slots[k].face = -1;
+}
+
+/* Places the image of a patch at a point: `to` is the direction of the point. */
+static void place_image(const pl_ground_texture *texture, double radius_m, pl_vec3 to,
+                        kept_images *kept, patch *out) {
+  const uint64_t hash = (uint64_t)out->node[0] + 4 * (uint64_t)out->node[1];
+  laid_image *of = &kept->slots[hash % KEPT];
+  if (of->face != out->face || of->node[0] != out->node[0] || of->node[1] != out->node[1])
+    lay_image(texture, radius_m, out, of);
+  const pl_vec3 off = pl_vec3_scale(pl_vec3_sub(to, of->at), radius_m);
+  out->x = of->x + pl_vec3_dot(off, of->dx);
+  out->y = of->y + pl_vec3_dot(off, of->dy);
+  out->dx = of->dx;
+  out->dy = of->dy;
 }
 
 static double ramp(double t) {
@@ -96,37 +112,100 @@ static double ramp(double t) {
   return t * t * (3.0 - 2.0 * t);
 }
 
-/* Share of a face beside its edges, by a coordinate. */
-static double share_of(double s, double seam) {
-  return ramp((1.0 - fabs(s) + seam) / (2.0 * seam));
+static double ramp_slope(double t) { return t > 0.0 && t < 1.0 ? 6.0 * t * (1.0 - t) : 0.0; }
+
+/* A face about a point: its coordinates, its share of the ground there, and their gradients by the
+ * unit direction. */
+typedef struct beside {
+  int face;
+  double s, t, share;
+  pl_vec3 ds, dt, dshare;
+} beside;
+
+/* Finds the share of a face; false where it has none. */
+static bool find_share(int face, pl_vec3 to, double seam, beside *out) {
+  double s, t;
+  if (!pl_cube_beside(face, to, &s, &t))
+    return false;
+  const double from[2] = {(1.0 - fabs(s) + seam) / (2.0 * seam),
+                          (1.0 - fabs(t) + seam) / (2.0 * seam)};
+  const double share[2] = {ramp(from[0]), ramp(from[1])};
+  if (!(share[0] * share[1] > 0.0))
+    return false;
+  *out = (beside){.face = face, .s = s, .t = t, .share = share[0] * share[1]};
+  pl_cube_gradients(face, to, &out->ds, &out->dt);
+  const double by_s = -copysign(ramp_slope(from[0]) / (2.0 * seam), s) * share[1];
+  const double by_t = -copysign(ramp_slope(from[1]) / (2.0 * seam), t) * share[0];
+  out->dshare = pl_vec3_madd(pl_vec3_scale(out->ds, by_s), by_t, out->dt);
+  return true;
 }
+
+/* Adds the three patches about a point on a face; returns their number. */
+static int add_face(const pl_ground_texture *texture, double radius_m, const beside *at,
+                    patch *out) {
+  const double edge = edge_m(texture), unit = 0.25 * PL_PI * radius_m / edge;
+  const double q = at->t * unit / ROOT3_2, r = at->s * unit - 0.5 * q;
+  const pl_vec3 dq = pl_vec3_scale(at->dt, unit / ROOT3_2);
+  const pl_vec3 dr = pl_vec3_madd(pl_vec3_scale(at->ds, unit), -0.5, dq);
+  const int64_t i = (int64_t)floor(r), j = (int64_t)floor(q);
+  const double f = r - (double)i, g = q - (double)j;
+  const bool upper = f + g > 1.0;
+  const int64_t nodes[3][2] = {{i + upper, j + upper}, {i + 1, j}, {i, j + 1}};
+  const double w[3] = {upper ? f + g - 1.0 : 1.0 - f - g, upper ? 1.0 - g : f, upper ? 1.0 - f : g};
+  const pl_vec3 both = pl_vec3_add(dr, dq);
+  const pl_vec3 dw[3] = {upper ? both : pl_vec3_scale(both, -1.0),
+                         upper ? pl_vec3_scale(dq, -1.0) : dr,
+                         upper ? pl_vec3_scale(dr, -1.0) : dq};
+  int count = 0;
+  for (int k = 0; k < 3; k++)
+    if (w[k] > 0.0) /* Squares: they fall to 0 without a kink. */
+      out[count++] = (patch){
+          .face = at->face,
+          .node = {nodes[k][0], nodes[k][1]},
+          .weight = at->share * w[k] * w[k],
+          .dweight =
+              pl_vec3_madd(pl_vec3_scale(dw[k], 2.0 * at->share * w[k]), w[k] * w[k], at->dshare),
+      };
+  return count;
+}
+
+/* Faces that reach over a point to where they have a share have at least this part of its greatest
+ * coordinate outwards: seams are at most a twentieth of the face to either side. */
+#define LEAST_OUTWARD 0.8
 
 /* Finds the patches of a point, with weights whose squares sum to 1, but not their images. */
 static int weigh_patches(const pl_ground_texture *texture, double radius_m, pl_vec3 to,
                          patch out[PATCHES]) {
   const double seam = SEAM * edge_m(texture) / (0.25 * PL_PI * radius_m);
+  const double v[3] = {to.x, to.y, to.z};
+  const double most = fmax(fabs(to.x), fmax(fabs(to.y), fabs(to.z)));
   double squares = 0.0;
+  pl_vec3 change = {0.0, 0.0, 0.0};
   int count = 0;
   for (int face = 0; face < PL_CUBE_FACES; face++) {
-    double s, t;
-    if (!pl_cube_beside(face, to, &s, &t))
-      continue;
-    const double share = share_of(s, seam) * share_of(t, seam);
-    if (share > 0.0 && count + 3 <= PATCHES)
-      count += add_face(texture, radius_m, face, s, t, share, &out[count]);
+    beside at;
+    if ((face % 2 == 0 ? v[face / 2] : -v[face / 2]) >= LEAST_OUTWARD * most &&
+        count + 3 <= PATCHES && find_share(face, to, seam, &at))
+      count += add_face(texture, radius_m, &at, &out[count]);
   }
-  for (int k = 0; k < count; k++)
+  for (int k = 0; k < count; k++) {
     squares += out[k].weight * out[k].weight;
-  for (int k = 0; k < count; k++)
-    out[k].weight /= sqrt(squares);
+    change = pl_vec3_madd(change, out[k].weight, out[k].dweight);
+  }
+  const double norm = sqrt(squares);
+  for (int k = 0; k < count; k++) {
+    out[k].dweight = pl_vec3_madd(pl_vec3_scale(out[k].dweight, 1.0 / (norm * radius_m)),
+                                  -out[k].weight / (norm * squares * radius_m), change);
+    out[k].weight /= norm;
+  }
   return count;
 }
 
 static int find_patches(const pl_ground_texture *texture, double radius_m, pl_vec3 to,
-                        patch out[PATCHES]) {
+                        kept_images *kept, patch out[PATCHES]) {
   const int count = weigh_patches(texture, radius_m, to, out);
   for (int k = 0; k < count; k++)
-    place_image(texture, radius_m, to, &out[k]);
+    place_image(texture, radius_m, to, kept, &out[k]);
   return count;
 }
 
@@ -146,6 +225,28 @@ static double value_at(const pl_raster *raster, double size_m, double x, double 
          (at - level) * (pl_raster_value(raster, level + 1, u, v, PL_INTERPOLATION_CUBIC) - fine);
 }
 
+/* The same, with its slopes over the width and the height of the image. */
+static double slopes_at(const pl_raster *raster, double size_m, double x, double y,
+                        double footprint_m, double slope[2]) {
+  const pl_raster_frame *frame = pl_raster_frame_of(raster);
+  const double columns = (double)frame->width, rows = (double)frame->height;
+  const double texels = footprint_m * columns / size_m;
+  const double at = texels > 1.0 ? fmin(log2(texels), pl_raster_levels(raster) - 1.0) : 0.0;
+  const int level = (int)at;
+  const double u = x * columns - 0.5, v = y * rows - 0.5;
+  double value = pl_raster_value_slope(raster, level, u, v, slope);
+  if (at - level > 0.0) {
+    double wide[2];
+    const double other = pl_raster_value_slope(raster, level + 1, u, v, wide);
+    value += (at - level) * (other - value);
+    slope[0] += (at - level) * (wide[0] - slope[0]);
+    slope[1] += (at - level) * (wide[1] - slope[1]);
+  }
+  slope[0] *= columns;
+  slope[1] *= rows;
+  return value;
+}
+
 static const pl_raster *raster_of(const pl_ground_texture *texture, pl_ground_texture_kind kind) {
   return kind == PL_GROUND_HEIGHTS     ? texture->heights
          : kind == PL_GROUND_ROUGHNESS ? texture->roughness
@@ -157,60 +258,59 @@ static double left_of(const pl_ground_texture *texture, double footprint_m) {
   return 1.0 - ramp((footprint_m / edge_m(texture) - FADE_FROM) / FADE_FROM);
 }
 
-double pl_ground_texture_at(const pl_ground_texture *texture, pl_ground_texture_kind kind,
-                            double radius_m, pl_vec3 direction, double footprint_m) {
+/* Sum over the patches of a point of deviations from the mean. */
+static double deviation_at(const pl_ground_texture *texture, pl_ground_texture_kind kind,
+                           double radius_m, pl_vec3 direction, double footprint_m,
+                           kept_images *kept) {
   const pl_raster *raster = raster_of(texture, kind);
-  patch patches[PATCHES];
-  if (raster == NULL)
-    return kind == PL_GROUND_HEIGHTS ? 0.0 : 1.0;
   const double mean = texture->means[kind];
-  const double left = left_of(texture, footprint_m);
-  if (!(left > 0.0))
-    return kind == PL_GROUND_HEIGHTS ? 0.0 : mean;
+  patch patches[PATCHES];
   double sum = 0.0;
-  const int count = find_patches(texture, radius_m, direction, patches);
+  const int count = find_patches(texture, radius_m, direction, kept, patches);
   for (int k = 0; k < count; k++)
     sum += patches[k].weight *
            (value_at(raster, texture->size_m, patches[k].x, patches[k].y, footprint_m) - mean);
-  sum *= left;
+  return sum * left_of(texture, footprint_m);
+}
+
+double pl_ground_texture_at(const pl_ground_texture *texture, pl_ground_texture_kind kind,
+                            double radius_m, pl_vec3 direction, double footprint_m) {
+  kept_images kept;
+  const double mean = texture->means[kind];
+  if (raster_of(texture, kind) == NULL)
+    return kind == PL_GROUND_HEIGHTS ? 0.0 : 1.0;
+  if (!(left_of(texture, footprint_m) > 0.0))
+    return kind == PL_GROUND_HEIGHTS ? 0.0 : mean;
+  keep_none(&kept);
+  const double sum = deviation_at(texture, kind, radius_m, direction, footprint_m, &kept);
   return kind == PL_GROUND_HEIGHTS ? sum : fmax(mean + sum, 0.0);
 }
 
-/* Weights change over differences of this part of an edge. */
-#define WEIGHT_STEP 0.02
-
-/* Writes by how much the weights of patches at a point change along a unit axis, over a metre. */
-static void weight_slopes(const pl_ground_texture *texture, double radius_m, pl_vec3 to,
-                          pl_vec3 axis, const patch *patches, int count, double out[PATCHES]) {
-  const double step_m = WEIGHT_STEP * edge_m(texture);
-  for (int k = 0; k < count; k++)
-    out[k] = 0.0;
-  for (int end = -1; end <= 1; end += 2) {
-    patch beside[PATCHES];
-    const int found = weigh_patches(
-        texture, radius_m, pl_vec3_unit(pl_vec3_madd(to, end * step_m / radius_m, axis)), beside);
-    for (int n = 0; n < found; n++)
-      for (int k = 0; k < count; k++)
-        if (beside[n].face == patches[k].face && beside[n].node[0] == patches[k].node[0] &&
-            beside[n].node[1] == patches[k].node[1])
-          out[k] += end * beside[n].weight / (2.0 * step_m);
-  }
+void pl_ground_texture_add_heights(const pl_ground_texture *texture, double radius_m,
+                                   const pl_vec3 *directions, size_t count, double footprint_m,
+                                   double *heights_m) {
+  kept_images kept;
+  if (texture->heights == NULL || !(left_of(texture, footprint_m) > 0.0))
+    return;
+  keep_none(&kept);
+  for (size_t k = 0; k < count; k++)
+    heights_m[k] +=
+        deviation_at(texture, PL_GROUND_HEIGHTS, radius_m, directions[k], footprint_m, &kept);
 }
 
-/* Slope along a unit axis over a footprint, with the changes of weights along it. */
-static double slope_along(const pl_ground_texture *texture, const patch *patches, int count,
-                          pl_vec3 axis, const double *changes, double footprint_m) {
-  const double half_m = 0.5 * fmax(footprint_m, pl_ground_texture_texel_m(texture));
+/* Slope of all patches over a footprint, with the changes of their weights. */
+static pl_vec3 slope_of(const pl_ground_texture *texture, const patch *patches, int count,
+                        double footprint_m) {
   const double mean = texture->means[PL_GROUND_HEIGHTS];
-  double sum = 0.0;
+  pl_vec3 sum = {0.0, 0.0, 0.0};
   for (int k = 0; k < count; k++) {
     const patch *p = &patches[k];
-    const double x = half_m * pl_vec3_dot(p->dx, axis), y = half_m * pl_vec3_dot(p->dy, axis);
-    const double ahead =
-        value_at(texture->heights, texture->size_m, p->x + x, p->y + y, footprint_m);
-    const double back =
-        value_at(texture->heights, texture->size_m, p->x - x, p->y - y, footprint_m);
-    sum += p->weight * (ahead - back) / (2.0 * half_m) + changes[k] * (0.5 * (ahead + back) - mean);
+    double slope[2];
+    const double height =
+        slopes_at(texture->heights, texture->size_m, p->x, p->y, footprint_m, slope);
+    sum = pl_vec3_madd(sum, p->weight * slope[0], p->dx);
+    sum = pl_vec3_madd(sum, p->weight * slope[1], p->dy);
+    sum = pl_vec3_madd(sum, height - mean, p->dweight);
   }
   return sum;
 }
@@ -219,23 +319,16 @@ pl_vec3 pl_ground_texture_slope(const pl_ground_texture *texture, double radius_
                                 pl_vec3 direction, double footprint_m, double without_m) {
   pl_vec3 out = {0.0, 0.0, 0.0};
   patch patches[PATCHES];
+  kept_images kept;
   const double own = left_of(texture, footprint_m), less = left_of(texture, without_m);
   if (texture->heights == NULL || !(own > 0.0))
     return out;
-  const int count = find_patches(texture, radius_m, direction, patches);
-  const pl_vec3 other =
-      fabs(direction.z) < 0.7 ? (pl_vec3){0.0, 0.0, 1.0} : (pl_vec3){1.0, 0.0, 0.0};
-  const pl_vec3 a = pl_vec3_unit(pl_vec3_cross(other, direction));
-  const pl_vec3 axes[2] = {a, pl_vec3_cross(direction, a)};
-  for (int k = 0; k < 2; k++) {
-    double changes[PATCHES];
-    weight_slopes(texture, radius_m, direction, axes[k], patches, count, changes);
-    double slope = own * slope_along(texture, patches, count, axes[k], changes, footprint_m);
-    if (less > 0.0)
-      slope -= less * slope_along(texture, patches, count, axes[k], changes, without_m);
-    out = pl_vec3_madd(out, slope, axes[k]);
-  }
-  return out;
+  keep_none(&kept);
+  const int count = find_patches(texture, radius_m, direction, &kept, patches);
+  out = pl_vec3_scale(slope_of(texture, patches, count, footprint_m), own);
+  if (less > 0.0)
+    out = pl_vec3_madd(out, -less, slope_of(texture, patches, count, without_m));
+  return pl_vec3_madd(out, -pl_vec3_dot(out, direction), direction);
 }
 
 double pl_ground_texture_variance(const pl_ground_texture *texture, double footprint_m) {
@@ -278,9 +371,9 @@ double pl_ground_texture_texel_m(const pl_ground_texture *texture) {
 #define WEIGHT_CHANGES 5.35744
 
 /* A place of an image as patches lay it, over its width and height; `weight`: square of the patch's
- * weight there; `turn`: of the patch. */
+ * weight there. */
 typedef struct laid_place {
-  double x, y, turn, weight;
+  double x, y, weight;
 } laid_place;
 
 /* Place k of a sequence that fills five dimensions evenly (Roberts' R5): the patch's middle, a
@@ -300,39 +393,29 @@ static laid_place place_of(int k, double wide, double high) {
   const double turn = 2.0 * PL_PI * r[2], u = b[1] + 0.5 * b[2], v = ROOT3_2 * b[2];
   return (laid_place){wide + (1.0 - 2.0 * wide) * r[3] + wide * (u * cos(turn) - v * sin(turn)),
                       high + (1.0 - 2.0 * high) * r[4] + high * (u * sin(turn) + v * cos(turn)),
-                      turn, b[0] * b[0] * b[0] * b[0] / squares};
+                      b[0] * b[0] * b[0] * b[0] / squares};
 }
 
-/* Variance of slopes of laid heights at cells of a level, by the differences of
- * pl_ground_texture_slope: slopes of the image, and of weights that change across heights. Patches
- * do not know each other, and squares of weights sum to 1: products of both cancel. */
+/* Variance of slopes of laid heights at cells of a level: of those of the image, and of weights
+ * that change across heights. Patches do not know each other, and squares of weights sum to 1:
+ * products of both cancel. */
 static double measure(const pl_ground_texture *texture, int level) {
   enum { POINTS = 4096 };
   const double size_m = texture->size_m, edge = edge_m(texture), aspect = tall(texture->heights);
   const double footprint_m = ldexp(pl_ground_texture_texel_m(texture), level);
-  const double wide = 0.5 * footprint_m / size_m;
   double slopes = 0.0, heights = 0.0, weights = 0.0;
-  if (wide >= 0.25 || wide / aspect >= 0.25)
+  if (footprint_m >= 0.5 * size_m * fmin(1.0, aspect))
     return 0.0;
   for (int k = 0; k < POINTS; k++) {
     const laid_place at = place_of(k, edge / size_m, edge / size_m / aspect);
-    double value[2][2];
-    for (int axis = 0; axis < 2; axis++)
-      for (int end = 0; end < 2; end++) {
-        const double way = end == 0 ? -wide : wide, angle = at.turn + 0.5 * PL_PI * axis;
-        value[axis][end] = value_at(texture->heights, size_m, at.x + way * cos(angle),
-                                    at.y + way * sin(angle) / aspect, footprint_m) -
-                           texture->means[PL_GROUND_HEIGHTS];
-      }
-    for (int axis = 0; axis < 2; axis++) {
-      const double slope = (value[axis][1] - value[axis][0]) / footprint_m;
-      const double height = 0.5 * (value[axis][0] + value[axis][1]);
-      slopes += 0.5 * at.weight * slope * slope;
-      heights += 0.5 * at.weight * height * height;
-    }
+    double slope[2];
+    const double height = slopes_at(texture->heights, size_m, at.x, at.y, footprint_m, slope) -
+                          texture->means[PL_GROUND_HEIGHTS];
+    slopes += 0.5 * at.weight * (slope[0] * slope[0] + slope[1] * slope[1] / (aspect * aspect));
+    heights += at.weight * height * height;
     weights += at.weight;
   }
-  return (slopes + WEIGHT_CHANGES * heights / (edge * edge)) / weights;
+  return (slopes / (size_m * size_m) + WEIGHT_CHANGES * heights / (edge * edge)) / weights;
 }
 
 /* Mean of an image over all patches, with weights that fall from their middle outwards. */

@@ -40,6 +40,11 @@ typedef enum pl_ground_texture_kind {
  * from their mean, of others at least 0; 0 and 1 without such an image. */
 double pl_ground_texture_at(const pl_ground_texture *texture, pl_ground_texture_kind kind,
                             double radius_m, pl_vec3 direction, double footprint_m);
+/* Adds the heights in directions, each as pl_ground_texture_at: cheaper where they are neighbours.
+ */
+void pl_ground_texture_add_heights(const pl_ground_texture *texture, double radius_m,
+                                   const pl_vec3 *directions, size_t count, double footprint_m,
+                                   double *heights_m);
 /* Returns the slope of the heights over a footprint, less that over a wider one (INFINITY: less
  * nothing): a vector along the ground in body axes. */
 pl_vec3 pl_ground_texture_slope(const pl_ground_texture *texture, double radius_m,

@@ -11,4 +11,10 @@ static inline double pl_catmull_rom(const double p[4], double t) {
   return p[1] + 0.5 * t * ((c - a) + t * ((2.0 * a + 4.0 * c - d) + t * (d - a - 3.0 * c)));
 }
 
+/* Its derivative by t. */
+static inline double pl_catmull_rom_slope(const double p[4], double t) {
+  const double a = p[0] - p[1], c = p[2] - p[1], d = p[3] - p[1];
+  return 0.5 * ((c - a) + t * (2.0 * (2.0 * a + 4.0 * c - d) + 3.0 * t * (d - a - 3.0 * c)));
+}
+
 #endif

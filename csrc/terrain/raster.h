@@ -78,6 +78,9 @@ pl_vec3 pl_raster_direction(const pl_raster *raster, double u, double v);
  * its edge. At posts, level 0 gives scale * sample + offset, to the bit. */
 double pl_raster_value(const pl_raster *raster, int level, double u, double v,
                        pl_raster_interpolation how);
+/* The same by cubic interpolation, with its slopes by column and row of level 0. */
+double pl_raster_value_slope(const pl_raster *raster, int level, double u, double v,
+                             double slope[2]);
 /* Writes the sample nearest to a direction; false outside of the raster. */
 bool pl_raster_nearest(const pl_raster *raster, pl_vec3 direction, double *value);
 /* Returns 1 inside; falls to 0 at the edge over `border_posts`, with continuous first and second

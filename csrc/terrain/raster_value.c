@@ -191,15 +191,33 @@ static double tap(const pl_raster *r, const pl_raster_level *level, int column, 
   return edge + abs(row - end) * (edge - column_tap(r, level, column, next));
 }
 
+/* Reads `side` by `side` cells from a column and row on, all inside. */
+static void inner_window(const pl_raster_level *level, int column, int row, int side, double *out) {
+  const size_t from = (size_t)row * level->stride + (size_t)column;
+  if (level->type == PL_RASTER_FLOAT32) {
+    const float *cells = (const float *)level->samples + from;
+    for (int j = 0; j < side; j++, cells += level->stride)
+      for (int i = 0; i < side; i++)
+        *out++ = (double)cells[i];
+    return;
+  }
+  for (int j = 0; j < side; j++)
+    for (int i = 0; i < side; i++)
+      *out++ = pl_raster_sample(level, from + (size_t)j * level->stride + (size_t)i);
+}
+
 /* Reads `side` by `side` cells from a column and row on. */
 static void window(const pl_raster *r, const pl_raster_level *level, int column, int row, int side,
                    double *out) {
   const bool inside =
       column >= 0 && row >= 0 && column + side <= level->width && row + side <= level->height;
+  if (inside) {
+    inner_window(level, column, row, side, out);
+    return;
+  }
   for (int j = 0; j < side; j++)
     for (int i = 0; i < side; i++)
-      *out++ =
-          inside ? pl_raster_cell(level, column + i, row + j) : tap(r, level, column + i, row + j);
+      *out++ = tap(r, level, column + i, row + j);
 }
 
 static double bilinear_at(const pl_raster *r, const pl_raster_level *level, int i, int j, double s,
@@ -237,6 +255,23 @@ double pl_raster_value(const pl_raster *r, int level, double u, double v,
                             ? cubic_at(r, at, (int)i, (int)j, x - i, y - j)
                             : bilinear_at(r, at, (int)i, (int)j, x - i, y - j);
   return r->frame.scale * sample + r->frame.offset;
+}
+
+double pl_raster_value_slope(const pl_raster *r, int level, double u, double v, double slope[2]) {
+  const int k = level < 0 ? 0 : level < r->level_count ? level : r->level_count - 1;
+  const pl_raster_level *at = &r->levels[k];
+  const double x = in_level(u, r->columns, at->width, r->wraps, r->wraps);
+  const double y = in_level(v, r->rows, at->height, r->crosses[0], r->crosses[1]);
+  const double i = floor(x), j = floor(y);
+  double p[16], rows[4], across[4];
+  window(r, at, (int)i - 1, (int)j - 1, 4, p);
+  for (size_t n = 0; n < 4; n++) {
+    rows[n] = pl_catmull_rom(p + 4 * n, x - i);
+    across[n] = pl_catmull_rom_slope(p + 4 * n, x - i);
+  }
+  slope[0] = r->frame.scale * pl_catmull_rom(across, y - j) * at->width / r->columns;
+  slope[1] = r->frame.scale * pl_catmull_rom_slope(rows, y - j) * at->height / r->rows;
+  return r->frame.scale * pl_catmull_rom(rows, y - j) + r->frame.offset;
 }
 
 /* A product of two Catmull-Rom curves has weights of which the negative ones sum to -9/32 at

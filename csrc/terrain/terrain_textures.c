@@ -18,10 +18,9 @@ pl_status pl_terrain_take_textures(pl_terrain *terrain, const pl_terrain_frame *
 void pl_terrain_add_textures(const pl_terrain *terrain, const pl_vec3 *directions, size_t count,
                              double cell_m, double *heights_m) {
   for (size_t n = 0; n < terrain->texture_count; n++)
-    if (terrain->textures[n].heights != NULL && cell_m < terrain->textures[n].size_m)
-      for (size_t k = 0; k < count; k++)
-        heights_m[k] += pl_ground_texture_at(&terrain->textures[n], PL_GROUND_HEIGHTS,
-                                             terrain->radius_m, directions[k], cell_m);
+    if (cell_m < terrain->textures[n].size_m)
+      pl_ground_texture_add_heights(&terrain->textures[n], terrain->radius_m, directions, count,
+                                    cell_m, heights_m);
 }
 
 bool pl_terrain_has_textures(const pl_terrain *terrain) {
