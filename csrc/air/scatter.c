@@ -2,6 +2,7 @@
 #include <math.h>
 
 #include "air/table.h"
+#include "base/work.h"
 #include "math/quadrature.h"
 
 pl_air_rule pl_air_rule_make(int count) {
@@ -297,6 +298,8 @@ pl_air_light pl_air_scatter_by(const pl_air *air, const pl_air_ray *ray, const p
   c.sun1 = pl_vec3_dot(ray->direction, sun->direction);
   set_phases(&c);
   const int count = find_levels(&c, levels);
+  pl_work_add(PL_WORK_air_rays, 1);
+  pl_work_add(PL_WORK_air_steps, (size_t)rule->count * (size_t)(count > 1 ? count - 1 : 0));
   const pl_vec3f ahead = depth_ahead(levels, count);
   const pl_vec3f at_from = levels->depth, at_to = levels[count - 1].depth;
   out.scattered = scattered_along(&c, rule, levels, count, ahead);

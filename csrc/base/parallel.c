@@ -5,6 +5,8 @@
 #include <pthread.h>
 #include <stdio.h>
 
+#include "base/work.h"
+
 enum { MAX_THREADS = 256 };
 
 typedef struct job {
@@ -24,6 +26,7 @@ typedef struct worker {
   job *job;
   int index;
   pthread_t thread;
+  pl_work_counts work; /* of a thread that was spawned */
 } worker;
 
 static void record_failure(job *job, size_t item, pl_status status) {
@@ -46,7 +49,7 @@ static bool cancelled(job *job, int worker) {
 }
 
 static void *run(void *argument) {
-  const worker *self = argument;
+  worker *self = argument;
   job *job = self->job;
   while (!atomic_load(&job->stop)) {
     if (cancelled(job, self->index))
@@ -58,6 +61,8 @@ static void *run(void *argument) {
     if (status != PL_OK)
       record_failure(job, item, status);
   }
+  if (self->index > 0)
+    self->work = pl_work_done; /* all that this thread ever did */
   return NULL;
 }
 
@@ -78,8 +83,10 @@ pl_status pl_parallel_for(int threads, size_t count, pl_item_fn work, void *cont
   }
   workers[0] = (worker){.job = &job, .index = 0};
   run(&workers[0]);
-  for (int i = 1; i < spawned; i++)
+  for (int i = 1; i < spawned; i++) {
     pthread_join(workers[i].thread, NULL);
+    pl_work_add_all(&workers[i].work);
+  }
   pthread_mutex_destroy(&job.lock);
   if (job.status != PL_OK)
     return pl_fail(job.status, "%s", job.text);

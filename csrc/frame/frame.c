@@ -90,6 +90,8 @@ static pl_status check_request(const pl_frame_request *request) {
   if (request->placement.volume_count > 0 &&
       (request->volume_steps < 1 || request->volume_steps > 4096))
     return pl_fail(PL_E_RANGE, "volume_steps must be in 1..4096, not %d", request->volume_steps);
+  if (!(request->target_dn >= 0.0 && request->target_sigmas >= 0.0))
+    return pl_fail(PL_E_RANGE, "target_dn and target_sigmas must be at least 0");
   if (!(request->wish.tolerance_dn >= 0.0))
     return pl_fail(PL_E_RANGE, "tolerance_dn must be at least 0");
   if (!e->automatic && !(e->white_radiance > 0.0 && isfinite(e->white_radiance)))
@@ -223,9 +225,13 @@ pl_status pl_frame_render(pl_renderer *renderer, const pl_frame_request *request
                           const pl_instant *instant, const pl_frame_sky *sky, pl_tile_fn done,
                           void *context) {
   pl_render_settings settings = instant->settings;
+  atomic_size_t missed = 0;
+  settings.missed = &missed;
   settings.backdrop = sky->backdrop.kind != PL_BACKDROP_NONE ? &sky->backdrop : NULL;
-  return pl_render(&instant->shot, instant->tracer, &settings, renderer->scratch, done, context,
-                   request->cancel);
+  PL_TRY(pl_render(&instant->shot, instant->tracer, &settings, renderer->scratch, done, context,
+                   request->cancel));
+  renderer->missed += atomic_load(&missed);
+  return PL_OK;
 }
 
 /* Renders a still frame, or the instants of a moving one. */
@@ -249,13 +255,31 @@ static pl_status render_frame(pl_renderer *renderer, const pl_frame_request *req
   return PL_OK;
 }
 
+/* Counts what outputs take beside rays and light. */
+static void count_outputs(const pl_frame_request *request, const pl_plan *plan) {
+  const pl_camera *camera = &request->placement.camera;
+  const size_t pixels = (size_t)camera->width * (size_t)camera->height;
+  size_t channels = 0;
+  for (int i = 0; i < PL_FRAME_CHANNELS_MAX; i++)
+    channels += request->channels[i] != NULL;
+  pl_work_add(PL_WORK_frames, 1);
+  pl_work_add(PL_WORK_label_values, pixels * channels);
+  pl_work_add(PL_WORK_object_pixels, request->objects != NULL ? pixels : 0);
+  if (request->pilot && request->sensor != NULL)
+    pl_work_add(PL_WORK_sensor_values, pixels * pl_sensor_stages_of(request->sensor, plan));
+}
+
 pl_status pl_renderer_frame(pl_renderer *renderer, const pl_frame_request *request,
                             pl_frame_result *result) {
   pl_survey survey;
   pl_sensor sensor;
   const pl_instant *instant;
-  const bool develop = pl_frame_wants_sensor(request), colour = wants_colour(request);
-  PL_TRY(pl_frame_plan(renderer, request, colour, develop, &survey, &sensor, result));
+  const bool colour = wants_colour(request);
+  const bool develop = pl_frame_wants_sensor(request) && !request->pilot;
+  const bool exposed = develop || (request->pilot && request->sensor != NULL);
+  const pl_work_counts before = pl_work_done;
+  renderer->missed = 0;
+  PL_TRY(pl_frame_plan(renderer, request, colour, exposed, &survey, &sensor, result));
   double start = now_s();
   const pl_choice choice = pl_choice_of_plan(request, result, colour);
   PL_TRY(pl_realise(renderer->accelerators, &survey, &choice, &renderer->arena, &instant));
@@ -282,5 +306,11 @@ pl_status pl_renderer_frame(pl_renderer *renderer, const pl_frame_request *reque
   if (develop)
     PL_TRY(pl_frame_develop(renderer, request, instant, &sensor, &result->plan, output.bands));
   lap(result, PL_STAGE_SENSOR, &start);
+  result->missed = renderer->missed;
+  result->aimed = choice.settings.target_dn > 0.0f && choice.colour &&
+                  pl_plan_value(&result->plan, &pl_effect_motion_blur) == 0 &&
+                  !(instant->shot.rays.camera.aperture_m > 0.0);
+  count_outputs(request, &result->plan);
+  result->work = pl_work_since(&before);
   return PL_OK;
 }

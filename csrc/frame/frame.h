@@ -9,6 +9,7 @@
 #include "annotate/keypoint.h"
 #include "annotate/object_label.h"
 #include "base/parallel.h"
+#include "base/work.h"
 #include "frame/sky.h"
 #include "plan/plan.h"
 #include "scene/scene.h"
@@ -26,6 +27,9 @@ typedef struct pl_frame_request {
   int texture_filter; /* upper limit: a pl_filter, not PL_FILTER_NONE */
   /* upper limit of steps along a ray through volumes, >= 1 if there are any volumes */
   int volume_steps;
+  /* error of a pixel that samples are taken for, digital numbers, and its probability as a number
+   * of standard errors; 0: every pixel is as good as `samples` make it */
+  double target_dn, target_sigmas;
   pl_plan_wish wish;
   pl_exposure exposure;
   /* borrowed; NULL for no sensor: then raw, sensor_rgb and glare are not available */
@@ -35,6 +39,9 @@ typedef struct pl_frame_request {
   const pl_sky *sky;            /* borrowed; NULL for a black sky */
   int threads;
   pl_cancel *cancel; /* may be NULL */
+  /* Only the work of the colour is counted, on a part of the picture: see pl_render_settings. No
+   * output but rgb may be asked for, which is of no use. */
+  bool pilot;
   /* Output arrays; NULL: not computed. All are height x width images, row-major. */
   uint8_t *rgb;        /* 3 per pixel */
   float *radiance;     /* 3 per pixel, W m-2 sr-1 */
@@ -95,6 +102,10 @@ typedef struct pl_frame_result {
   const char *ground_widened_body;
   /* A body that states a patch of which the camera sees none; NULL for none. Borrowed, too. */
   const char *ground_missed_body;
+  size_t missed; /* pixels that all samples did not bring to the target */
+  /* Whether the samples of pixels are chosen at all: not behind an aperture, nor in motion. */
+  bool aimed;
+  pl_work_counts work;            /* of a frame or pilot; not of a plan alone */
   double seconds[PL_STAGE_COUNT]; /* wall time; never part of an output array */
 } pl_frame_result;
 

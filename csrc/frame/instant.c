@@ -25,8 +25,8 @@ static pl_render_settings settings_of(const pl_frame_request *request,
   const unsigned needs = pl_channels_need(request->channels);
   /* All samples in every pixel: if the effect is forced on by name, or at a tolerance of 0. */
   const bool exact = request->wish.tolerance_dn == 0.0;
-  const bool all_samples =
-      exact || pl_effect_set_has(&request->wish.force_on, PL_EFFECT_INDEX_antialiasing);
+  const bool all_by_name = pl_effect_set_has(&request->wish.force_on, PL_EFFECT_INDEX_antialiasing);
+  const bool all_samples = exact || all_by_name;
   return (pl_render_settings){
       .seed = request->seed,
       .frame = request->index,
@@ -38,8 +38,11 @@ static pl_render_settings settings_of(const pl_frame_request *request,
       .shadow_mask = needs & PL_POINTS_SHADOWS,
       .shadow_cause = needs & PL_POINTS_SHADOW_CAUSES,
       .exact = exact,
+      .pilot = request->pilot,
       .lods_down = PL_VIEW_LODS - 1 - pl_plan_value(plan, &pl_effect_regolith),
       .noise_dn = all_samples ? 0.0f : (float)request->wish.tolerance_dn,
+      .target_dn = all_by_name ? 0.0f : (float)request->target_dn,
+      .target_sigmas = (float)request->target_sigmas,
       .white_radiance = (float)result->whites[0],
       .white_other = (float)result->whites[1],
   };
@@ -90,7 +93,8 @@ pl_choice pl_choice_of_metering(const pl_frame_request *request, const pl_plan *
   pl_choice out = pl_choice_of_plan(request, &result, true);
   out.settings.samples = samples;
   out.settings.label_rays = 0;
-  out.settings.exact = false;
+  out.settings.exact = out.settings.pilot = false;
+  out.settings.target_dn = 0.0f;
   out.settings.noise_dn = 0.0f;
   out.settings.shadow_mask = out.settings.shadow_cause = false;
   out.tolerance_dn = 0.0;
@@ -182,6 +186,7 @@ pl_status pl_realise(pl_accelerators *kept, const pl_survey *survey, const pl_ch
   if (made == NULL)
     return pl_fail(PL_E_MEMORY, "out of memory for an instant");
   made->settings = choice->settings;
+  pl_work_add(PL_WORK_entities, survey->view.entity_count);
   PL_TRY(cull(survey, choice, arena, &made->shot));
   PL_TRY(pl_height_fields_place(kept, choice, arena, &made->shot));
   PL_TRY(pl_geometry_tracer(kept, &made->shot, arena, &made->tracer));

@@ -17,6 +17,7 @@ struct pl_renderer {
   pl_arena sensor_arena; /* for one image of the sensor */
   pl_arena instants;     /* for one instant of a moving frame */
   pl_encoder encoder;
+  size_t missed; /* pixels of this frame above the target */
 };
 
 /* Makes the plan. `metered`: automatic exposures are measured; they are not when only labels are

@@ -12,6 +12,7 @@ pl_status pl_survey_place(const pl_scene *scene, const pl_frame_request *request
   PL_TRY(pl_snapshot_view(&out->shot, arena, &out->view));
   out->sky = (pl_frame_sky){.width = out->shot.rays.camera.width};
   out->view.samples = request->samples;
+  out->view.target_dn = request->target_dn;
   out->view.max_bounces = request->max_bounces;
   out->view.texture_filter = request->texture_filter;
   out->view.volume_steps = request->volume_steps;

@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "base/work.h"
 #include "math/lattice.h"
 
 /* Distribution of |noise| as 8 values of equal weight, the means of its octiles; measured with 4e5
@@ -107,6 +108,7 @@ static void find_octaves(const pl_fractal *fractal, pl_vec3 point, const spectru
                          octaves *out) {
   uint32_t seed[PL_LANES];
   pl_point_lanes at;
+  pl_work_add(PL_WORK_noise_octaves, s->last);
   for (uint32_t first = 0; first < s->last; first += PL_LANES) {
     float gradient[3][PL_LANES];
     place_octaves(fractal, point, first, s->scale + first, &at, seed);

@@ -123,6 +123,7 @@ typedef struct pl_view {
   double blur_px;
   double skew_px;     /* the same from the exposure of the first row to that of the last */
   int samples;        /* upper limit of colour samples per pixel, set by the user */
+  double target_dn;   /* error of a pixel that decides how many of them it gets; 0: none */
   int max_bounces;    /* upper limit of bounces, set by the user */
   int texture_filter; /* upper limit of the texture filter (a pl_filter), set by the user */
   int volume_steps;   /* upper limit of steps along rays through volumes, set by the user */

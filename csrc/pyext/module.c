@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "plan/cost.h"
 #include "frame/effects.h"
 #include "io/simplify.h"
 #include "orbit/propagator.h"
@@ -124,6 +125,19 @@ static PyObject *named_rows(size_t count, const char *(*name)(size_t), const cha
   return rows;
 }
 
+static PyObject *costs(void) {
+  PyObject *rows = PyTuple_New(PL_WORK_COUNT);
+  for (int i = 0; rows != NULL && i < PL_WORK_COUNT; i++) {
+    PyObject *row = Py_BuildValue("{s:s,s:s,s:d}", "name", pl_work_name((pl_work)i), "doc",
+                                  pl_work_doc((pl_work)i), "ns", pl_cost_ns((pl_work)i));
+    if (row == NULL)
+      Py_CLEAR(rows);
+    else
+      PyTuple_SetItem(rows, i, row);
+  }
+  return rows;
+}
+
 static const char *effect_name(size_t i) { return pl_effects[i]->name; }
 static const char *effect_doc(size_t i) { return pl_effects[i]->doc; }
 static const char *reflectance_name(size_t i) { return pl_reflectances[i]->name; }
@@ -185,7 +199,7 @@ static int execute(PyObject *module) {
       add(module, "CRATER", pl_py_crater_record()) < 0 ||
       add(module, "RIM_IMAGE", pl_py_rim_record()) < 0 ||
       add(module, "CRATER_LAWS", named_rows(PL_CRATER_LAWS, crater_law_name, crater_law_doc)) < 0 ||
-      add(module, "RAY_SOURCES", pl_py_ray_sources()) < 0 ||
+      add(module, "RAY_SOURCES", pl_py_ray_sources()) < 0 || add(module, "COSTS", costs()) < 0 ||
       add(module, "EVENT", pl_py_event()) < 0 ||
       add(module, "LIDAR_RETURN", pl_py_lidar_return()) < 0 ||
       add(module, "TIME_OF_FLIGHT_PIXEL", pl_py_time_of_flight_pixel()) < 0 ||

@@ -124,6 +124,17 @@ static PyObject *plan_rows(const pl_plan *plan) {
   return rows;
 }
 
+static PyObject *work_dict(const pl_work_counts *work) {
+  PyObject *dict = PyDict_New();
+  for (int i = 0; dict != NULL && i < PL_WORK_COUNT; i++) {
+    PyObject *count = PyLong_FromUnsignedLongLong(work->of[i]);
+    if (count == NULL || PyDict_SetItemString(dict, pl_work_name((pl_work)i), count) < 0)
+      Py_CLEAR(dict);
+    Py_XDECREF(count);
+  }
+  return dict;
+}
+
 static PyObject *result_dict(const pl_frame_result *result) {
   PyObject *timings = PyDict_New();
   for (int i = 0; timings != NULL && i < PL_STAGE_COUNT; i++) {
@@ -139,12 +150,21 @@ static PyObject *result_dict(const pl_frame_result *result) {
     Py_XDECREF(rows);
     return NULL;
   }
+  PyObject *work = work_dict(&result->work);
+  if (work == NULL) {
+    Py_DECREF(timings);
+    Py_DECREF(rows);
+    Py_DECREF(stars);
+    return NULL;
+  }
   return Py_BuildValue(
-      "{s:d,s:d,s:d,s:N,s:N,s:N,s:{s:n,s:n,s:d,s:z,s:z}}", "white_radiance", result->white_radiance,
-      "exposure_s", result->exposure_s, "gain_e_dn", result->gain, "plan", rows, "timings_s",
-      timings, "stars", stars, "ground", "tiles", (Py_ssize_t)result->ground_tiles, "kept_bytes",
-      (Py_ssize_t)result->ground_bytes, "widened", result->ground_widened, "widened_body",
-      result->ground_widened_body, "missed_body", result->ground_missed_body);
+      "{s:N,s:n,s:O,s:d,s:d,s:d,s:N,s:N,s:N,s:{s:n,s:n,s:d,s:z,s:z}}", "work", work, "missed",
+      (Py_ssize_t)result->missed, "aimed", result->aimed ? Py_True : Py_False, "white_radiance",
+      result->white_radiance, "exposure_s", result->exposure_s, "gain_e_dn", result->gain, "plan",
+      rows, "timings_s", timings, "stars", stars, "ground", "tiles",
+      (Py_ssize_t)result->ground_tiles, "kept_bytes", (Py_ssize_t)result->ground_bytes, "widened",
+      result->ground_widened, "widened_body", result->ground_widened_body, "missed_body",
+      result->ground_missed_body);
 }
 
 void pl_py_renderer_end(pl_py_renderer *self) {
@@ -208,14 +228,16 @@ static PyObject *run(pl_py_renderer *self, pl_frame_request *request,
 }
 
 static PyObject *renderer_render(PyObject *object, PyObject *args, PyObject *kwargs) {
-  static char *names[] = {"request", "out", "threads", NULL};
+  static char *names[] = {"request", "out", "threads", "pilot", NULL};
   pl_py_renderer *self = (pl_py_renderer *)object;
   PyObject *request, *out, *result = NULL;
   pl_frame_request frame = {.threads = 1};
-  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "OO|i:render", names, &request, &out,
-                                   &frame.threads) ||
+  int pilot = 0;
+  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "OO|ip:render", names, &request, &out,
+                                   &frame.threads, &pilot) ||
       pl_py_renderer_begin(self) < 0)
     return NULL;
+  frame.pilot = pilot != 0;
   if (pl_py_request_parse(request, self->core, &self->states, &frame) == 0 &&
       pl_py_others_parse(request, self->core, self->others, &frame) == 0 &&
       pl_py_request_outputs(out, self->core, self->states.kept, &frame) == 0)

@@ -309,6 +309,10 @@ static int quality_of(PyObject *quality, pl_frame_request *out) {
       get_int(quality, "texture_filter", &out->texture_filter) < 0 ||
       get_double(quality, "tolerance_dn", &out->wish.tolerance_dn) < 0)
     return -1;
+  if (PyDict_GetItemString(quality, "target_dn") != NULL &&
+      (get_double(quality, "target_dn", &out->target_dn) < 0 ||
+       get_double(quality, "target_sigmas", &out->target_sigmas) < 0))
+    return -1;
   if (parse_set(quality, "force_on", &out->wish.force_on) < 0)
     return -1;
   return parse_set(quality, "force_off", &out->wish.force_off);

@@ -97,11 +97,11 @@ static float shared_variance(const pl_patch *patch, float n, float unseen) {
 /* Filtered irradiance enters each sample with its mean; its noise is added afterwards. */
 static void measure_pixel(const pl_path_context *context, const pl_tile_buffers *b, uint32_t pixel,
                           size_t k, moments *out) {
-  const pl_pixel_patches *patches = &b->patches[pixel];
+  const uint32_t count = pl_path_patch_count(b, pixel);
   const float n = (float)b->counts[pixel];
   float sum = pl_luminance(b->radiance[pixel]), square = b->square[pixel];
-  for (uint32_t i = 0; i < patches->count; i++) {
-    const pl_patch *patch = &patches->patch[i];
+  for (uint32_t i = 0; i < count; i++) {
+    const pl_patch *patch = &b->patches[pixel].patch[i];
     const float seen = (float)patch->seen, own = pl_luminance(patch->own);
     const float each = patch->lit > 0 ? (float)patch->wide / (seen * (float)patch->lit) : 0.0f;
     const float lit = each * pl_luminance(patch->filtered);
@@ -186,8 +186,35 @@ static float standard_error_dn(const pl_render_settings *settings, const moments
                       : found;
 }
 
+/* Variance of a pixel's samples by those of its neighbours: their mean, or the second largest if
+ * that is more. A line through the pixel crosses two of its neighbours, too, and only these. */
+static float variance_around(const moments *moments, size_t k) {
+  float first = 0.0f, second = 0.0f;
+  for (size_t row = k - SIDE; row <= k + SIDE; row += SIDE)
+    for (size_t i = row - 1; i <= row + 1; i++) {
+      const float variance = i != k ? moments->variance[i] : 0.0f;
+      second = pl_maxf(second, pl_minf(first, variance));
+      first = pl_maxf(first, variance);
+    }
+  return pl_maxf(second, sum8(moments->variance, k) / sum8(moments->weight, k));
+}
+
+/* Whether a pixel's error is within the target, judged by its neighbours only, as above. */
+static bool is_on_target(const pl_render_settings *settings, const moments *moments, size_t k,
+                         float n) {
+  if (!(sum8(moments->weight, k) > 0.0f))
+    return false;
+  const float error = settings->target_sigmas * sqrtf(variance_around(moments, k) / n);
+  const float white = settings->white_radiance, other = settings->white_other;
+  return error_dn(white, shown_mean(moments, k, white), error) <= settings->target_dn &&
+         (!(other > 0.0f) ||
+          error_dn(other, shown_mean(moments, k, other), error) <= settings->target_dn);
+}
+
 static bool is_finished(const pl_render_settings *settings, const moments *moments, uint32_t pixel,
                         float n) {
+  if (settings->target_dn > 0.0f)
+    return is_on_target(settings, moments, bordered(pixel), n);
   const float samples = (float)settings->samples;
   const float error = standard_error_dn(settings, moments, bordered(pixel), n);
   if (!(error > settings->noise_dn))
@@ -287,6 +314,17 @@ void pl_path_drop_single(pl_tile_buffers *b) {
     if (!b->single[b->active[i]])
       b->active[kept++] = b->active[i];
   b->active_count = kept;
+}
+
+size_t pl_path_missed(const pl_path_context *context, const pl_tile_buffers *b) {
+  moments moments;
+  size_t missed = 0;
+  measure(context, b, &moments);
+  for (size_t i = 0; i < b->active_count; i++) {
+    const uint32_t pixel = b->active[i];
+    missed += !is_on_target(context->settings, &moments, bordered(pixel), (float)b->counts[pixel]);
+  }
+  return missed;
 }
 
 void pl_path_adapt(const pl_path_context *context, pl_tile_buffers *b) {

@@ -20,6 +20,8 @@ static int ceiling(const pl_view *view) { return view->samples; }
 /* For a pixel on an edge, one sample is off by at most the whole step, and n stratified samples by
  * at most 1/sqrt(n) of it (the discrepancy of half planes). Glints reach the display's white. */
 static double bound_dn(const pl_view *view, int value) {
+  if (view->target_dn > 0.0 && value < view->samples)
+    return 255.0; /* the samples of each pixel are chosen when it is rendered */
   return pl_view_dn(view, pl_view_step(view) / sqrt(value > 0 ? value : 1));
 }
 

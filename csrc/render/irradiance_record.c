@@ -1,6 +1,7 @@
 /* Selection of the paths that are followed, and the record of their light. */
 #include "render/irradiance_record.h"
 
+#include "base/work.h"
 #include "base/memory.h"
 #include "math/color.h"
 #include "shade/ggx.h"
@@ -296,6 +297,7 @@ pl_status pl_irradiance_keep(pl_irradiance_record *irradiance, int row, int colu
   for (int y = 0; y < tile.height; y++)
     for (int x = 0; x < tile.width; x++)
       b->radiance[y * PL_TILE_SIDE + x] = own_light(b, (uint32_t)(y * PL_TILE_SIDE + x));
+  pl_work_add(PL_WORK_patches, counted.patches);
   if (counted.patches == 0)
     return PL_OK;
   pl_irradiance_tile *kept = pl_irradiance_tile_at(irradiance, row, column);

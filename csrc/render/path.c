@@ -3,6 +3,7 @@
  * a tile, so that the shadow rays of a wave are traced together. */
 #include "render/path.h"
 
+#include "base/work.h"
 #include "light/sun.h"
 #include "math/color.h"
 #include "math/sampler.h"
@@ -396,6 +397,17 @@ static void widen_by_lens(const pl_path_context *context, double t, pl_beam *bea
   beam->width_m += (float)(across / sqrt((double)context->settings->samples));
 }
 
+static void count_hits(const pl_vertex_view *run, size_t count) {
+  size_t of[3] = {0, 0, 0};
+  for (size_t i = 0; i < count; i++) {
+    const pl_surface_id id = run[i].vertex->surface_id;
+    of[pl_surface_is_mesh(id) ? 0 : pl_surface_is_ellipsoid(id) ? 1 : 2]++;
+  }
+  pl_work_add(PL_WORK_mesh_hits, of[0]);
+  pl_work_add(PL_WORK_body_hits, of[1]);
+  pl_work_add(PL_WORK_ground_hits, of[2]);
+}
+
 /* Locates and shades the hits of paths `first` to `end`; vertex i - first of `b` is that of path i.
  */
 static void shade_hits(const pl_path_context *context, int bounce, size_t first, size_t end,
@@ -412,6 +424,7 @@ static void shade_hits(const pl_path_context *context, int bounce, size_t first,
       widen_by_lens(context, vertex->t, beam);
     run[count++] = (pl_vertex_view){beam, vertex};
   }
+  count_hits(run, count);
   pl_detail detail = context->settings->detail;
   detail.sub_cell = detail.sub_cell && bounce == 0; /* what lights others is seen from all sides */
   pl_vertex_shade_run(context->shot, detail, run, count);
@@ -513,6 +526,7 @@ static void find_patches(const pl_path_context *context, size_t count, pl_tile_b
 
 void pl_path_sample(const pl_path_context *context, uint32_t index, pl_tile_buffers *b) {
   size_t count = start_paths(context, index, b);
+  pl_work_add(PL_WORK_samples, count);
   if (index == 0 && context->centred) {
     for (size_t i = 0; i < count; i++)
       b->hits[i] = b->center_hits[b->paths[i].pixel];

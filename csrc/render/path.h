@@ -165,4 +165,7 @@ void pl_path_keep_limb(const pl_path_context *context, pl_tile_buffers *buffers)
  * pixels must have the same number of samples. */
 void pl_path_adapt(const pl_path_context *context, pl_tile_buffers *buffers);
 
+/* Number of active pixels whose error is above the target that settings state. */
+size_t pl_path_missed(const pl_path_context *context, const pl_tile_buffers *buffers);
+
 #endif

@@ -4,6 +4,7 @@
  * footprint, so that shading once gives the pixel's mean. */
 #include <string.h>
 
+#include "base/work.h"
 #include "light/sun.h"
 #include "math/color.h"
 #include "render/body_light.h"
@@ -264,6 +265,7 @@ static bool prefilter_pixel(const pl_path_context *context, uint32_t pixel, pl_t
   const pl_beam beam = {.direction = direction, .spread = (float)context->pixel_rad};
   pl_detail detail = settings->detail;
   detail.box = true;
+  pl_work_add(PL_WORK_closed, 1);
   pl_vertex_shade(shot, &beam, detail, &vertex);
   pl_reflectance_lod_apply(shot, settings, &vertex);
   if (!is_even(&vertex.surface, &sun, pl_vec3f_dot(sun.direction, vertex.ng)))

@@ -4,6 +4,7 @@
 
 #include "base/hash.h"
 #include "base/memory.h"
+#include "base/work.h"
 #include "light/sun.h"
 #include "math/philox.h"
 #include "render/body_points.h"
@@ -15,6 +16,8 @@
 
 /* Number of samples after which the noise is checked first; then at every doubling. */
 enum { FIRST_CHECK = 2 };
+/* The same where an error is stated, then at every half more: fewer do not tell a variance. */
+enum { FIRST_AIMED = 8 };
 /* Maximum number of samples per pixel, relative to the usual number: as many as pixels need that
  * outlines of full contrast cross. */
 enum { MOST = 2 };
@@ -78,15 +81,35 @@ typedef struct job {
   size_t behind; /* tiles in the rows before those that are worked on */
   int row0, row1;
   double pixel_rad;
+  int block; /* side of what is rendered of a tile, pixels: PL_TILE_SIDE but for a pilot */
 } job;
 
-static pl_tile tile_of(const job *job, size_t item) {
+static pl_tile whole_tile(const job *job, size_t item) {
   const int column = (int)(item % (size_t)job->columns);
   const int row = job->row0 / PL_TILE_SIDE + (int)(item / (size_t)job->columns);
   const int x0 = column * PL_TILE_SIDE, below = (row + 1) * PL_TILE_SIDE;
   const int y0 = row * PL_TILE_SIDE > job->row0 ? row * PL_TILE_SIDE : job->row0;
   const int w = job->shot->rays.camera.width - x0, h = (below < job->row1 ? below : job->row1) - y0;
   return (pl_tile){x0, y0, w < PL_TILE_SIDE ? w : PL_TILE_SIDE, h};
+}
+
+/* Where a block lies in a length: at one of the multiples of its side, by hash. */
+static int block_at(int length, int side, uint64_t word) {
+  const int places = length > side ? (length - side) / side + 1 : 1;
+  return side * (int)(word % (uint64_t)places);
+}
+
+/* The pixels of a tile that are rendered. */
+static pl_tile tile_of(const job *job, size_t item) {
+  const pl_tile whole = whole_tile(job, item);
+  const int side = job->block;
+  if (side == PL_TILE_SIDE)
+    return whole;
+  const uint64_t word = pl_hash(PL_HASH_SEED, &item, sizeof item);
+  return (pl_tile){whole.x0 + block_at(whole.width, side, word),
+                   whole.y0 + block_at(whole.height, side, word >> 32),
+                   whole.width < side ? whole.width : side,
+                   whole.height < side ? whole.height : side};
 }
 
 /* What the cone of a tile may contain. */
@@ -255,8 +278,13 @@ static void fill_points(const job *job, pl_tile tile, const content *content, pl
 /* Whether sampling is adaptive. With an aperture it is not: a few samples of a blurred outline may
  * all miss it, and then do not show that more are needed. */
 static bool is_adaptive(const job *job) {
-  return job->settings->noise_dn > 0.0f && !(job->shot->rays.camera.aperture_m > 0.0) &&
-         job->settings->slice == NULL;
+  return (job->settings->noise_dn > 0.0f || job->settings->target_dn > 0.0f) &&
+         !(job->shot->rays.camera.aperture_m > 0.0) && job->settings->slice == NULL;
+}
+
+/* Whether pixels share the light of paths, which a stated error of each pixel rules out. */
+static bool filters_irradiance(const job *job) {
+  return is_adaptive(job) && !(job->settings->target_dn > 0.0f);
 }
 
 static pl_path_context context_of(const job *job, pl_tile tile, const content *content) {
@@ -272,8 +300,8 @@ static pl_path_context context_of(const job *job, pl_tile tile, const content *c
       .coverage = &job->scratch->coverage,
       .centred = !(job->shot->rays.camera.aperture_m > 0.0) && job->settings->slice == NULL,
       .sharp = !(job->shot->rays.camera.aperture_m > 0.0),
-      .filters_irradiance = is_adaptive(job),
-      .few_samples = is_adaptive(job) && job->settings->samples <= PL_IRRADIANCE_ROW,
+      .filters_irradiance = filters_irradiance(job),
+      .few_samples = filters_irradiance(job) && job->settings->samples <= PL_IRRADIANCE_ROW,
       .bodies = content->bodies,
       .sun = content->sun,
       .air = content->air,
@@ -327,10 +355,11 @@ static pl_status sample_colour(const job *job, size_t item, int worker, const co
   if (b->active_count > 0)
     draw_seeds(job, tile, b->seeds);
   const bool adaptive = is_adaptive(job);
-  const int most = adaptive && samples > 1 ? MOST * samples : samples;
-  const bool limb = most > samples && most < PL_SUN_LIMB_SAMPLES && context.sun;
+  const bool aimed = adaptive && job->settings->target_dn > 0.0f;
+  const int most = adaptive && !aimed && samples > 1 ? MOST * samples : samples;
+  const bool limb = !aimed && most > samples && most < PL_SUN_LIMB_SAMPLES && context.sun;
   const int last = limb ? PL_SUN_LIMB_SAMPLES : most;
-  int check = adaptive ? FIRST_CHECK : most;
+  int check = aimed ? FIRST_AIMED : adaptive ? FIRST_CHECK : most;
   for (int i = 0; i < last && b->active_count > 0; i++) {
     pl_path_sample(&context, (uint32_t)i, b);
     if (i == 0)
@@ -339,9 +368,11 @@ static pl_status sample_colour(const job *job, size_t item, int worker, const co
       pl_path_keep_limb(&context, b);
     if (i + 1 != check || check >= most)
       continue;
-    check *= 2;
+    check = aimed ? check + check / 2 : 2 * check;
     pl_path_adapt(&context, b);
   }
+  if (aimed && job->settings->missed != NULL && b->active_count > 0)
+    atomic_fetch_add(job->settings->missed, pl_path_missed(&context, b));
   return pl_irradiance_keep(&job->scratch->irradiance, row, column, &context, b);
 }
 
@@ -353,9 +384,7 @@ static void fill_backdrop(const job *job, pl_tile tile, pl_vec3f *out) {
           pl_backdrop_radiance(job->settings->backdrop, job->shot, tile.x0 + x, tile.y0 + y);
 }
 
-static pl_status render_tile(void *context, size_t nth, int worker) {
-  const job *job = context;
-  const size_t item = job->behind + nth;
+static pl_status render_item(const job *job, size_t item, int worker) {
   pl_tile_buffers *b = &job->scratch->buffers[worker];
   const pl_tile tile = tile_of(job, item);
   const content content = tile_content(job, tile);
@@ -388,6 +417,25 @@ static pl_status render_tile(void *context, size_t nth, int worker) {
   return job->done(job->context, &result, worker);
 }
 
+/* Counts what a block took as if all of its tile had been rendered. */
+static void scale_work(const job *job, size_t item, const pl_work_counts *before) {
+  const pl_tile whole = whole_tile(job, item), block = tile_of(job, item);
+  const uint64_t all = (uint64_t)whole.width * (uint64_t)whole.height;
+  const uint64_t done = (uint64_t)block.width * (uint64_t)block.height;
+  for (int i = 0; i < PL_WORK_COUNT; i++)
+    pl_work_done.of[i] = before->of[i] + (pl_work_done.of[i] - before->of[i]) * all / done;
+}
+
+static pl_status render_tile(void *context, size_t nth, int worker) {
+  const job *job = context;
+  const size_t item = job->behind + nth;
+  const pl_work_counts before = pl_work_done;
+  PL_TRY(render_item(job, item, worker));
+  if (job->block != PL_TILE_SIDE)
+    scale_work(job, item, &before);
+  return PL_OK;
+}
+
 /* Delivers a tile again, with the filtered light added. */
 static pl_status light_tile(void *context, size_t nth, int worker) {
   const job *job = context;
@@ -396,7 +444,7 @@ static pl_status light_tile(void *context, size_t nth, int worker) {
   const int row = (int)(item / columns), column = (int)(item % columns);
   const pl_irradiance_tile *tile = pl_irradiance_tile_at(irradiance, row, column);
   pl_vec3f *radiance = job->scratch->buffers[worker].radiance;
-  if (!tile->lit)
+  if (!tile->lit || job->settings->pilot)
     return PL_OK;
   pl_irradiance_filter_light(irradiance, row, column, job->settings, job->pixel_rad, radiance);
   const pl_tile_result result = {.tile = tile->tile,
@@ -450,7 +498,7 @@ static pl_status make_effect_buffers(const job *job) {
   void *room;
   for (int i = 0; i < job->scratch->threads && settings->samples > 0; i++) {
     pl_tile_buffers *b = &job->scratch->buffers[i];
-    if (b->patches == NULL && is_adaptive(job)) {
+    if (b->patches == NULL && filters_irradiance(job)) {
       PL_TRY(pl_alloc_or_fail(PL_TILE_PIXELS, sizeof *b->patches, "patches of a tile", &room));
       b->patches = room;
     }
@@ -460,6 +508,18 @@ static pl_status make_effect_buffers(const job *job) {
     }
   }
   return PL_OK;
+}
+
+/* Side of the blocks of a pilot: so small that they are a 16th of the picture, but so large that
+ * they have PILOT_PIXELS. */
+enum { PILOT_SIDE = 8, PILOT_PIXELS = 4096 };
+static int block_of(const pl_render_settings *settings, const pl_camera *camera) {
+  const int64_t pixels = (int64_t)camera->width * camera->height;
+  int side = PL_TILE_SIDE;
+  while (settings->pilot && side > PILOT_SIDE &&
+         pixels * (side / 2) * (side / 2) >= PILOT_PIXELS * (int64_t)PL_TILE_PIXELS)
+    side /= 2;
+  return side;
 }
 
 /* Approximate number of rays per pixel: one through its centre, and those of colour and labels. */
@@ -487,11 +547,13 @@ pl_status pl_render(const pl_snapshot *shot, const pl_tracer *tracer,
       .row0 = row0,
       .row1 = row1,
       .pixel_rad = 1.0 / fmax(shot->rays.camera.fx, shot->rays.camera.fy),
+      .block = block_of(settings, &shot->rays.camera),
   };
+  pl_work_add(PL_WORK_pixels, (size_t)columns * (size_t)rows * PL_TILE_PIXELS);
   PL_TRY(view_suns(scratch, shot));
   PL_TRY(make_effect_buffers(&job));
   PL_TRY(pl_coverage_update(&scratch->coverage, shot, row0, row1, rays_of(settings),
                             scratch->threads));
-  return is_adaptive(&job) ? render_bands(&job, rows, cancel)
-                           : run_rows(&job, 0, rows, render_tile, cancel);
+  return filters_irradiance(&job) ? render_bands(&job, rows, cancel)
+                                  : run_rows(&job, 0, rows, render_tile, cancel);
 }

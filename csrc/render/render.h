@@ -3,6 +3,7 @@
 #ifndef PL_RENDER_RENDER_H
 #define PL_RENDER_RENDER_H
 
+#include <stdatomic.h>
 #include <stdbool.h>
 #include <stdint.h>
 
@@ -44,6 +45,14 @@ typedef struct pl_render_settings {
   /* pixels with less noise than this get no more samples, see adaptive_sampling.c, and noisy ones
    * more than `samples`; 0: all get `samples` */
   float noise_dn;
+  /* only a block of each tile is rendered, and its work is counted for the whole tile, base/work.h;
+   * the picture is of no use */
+  bool pilot;
+  /* Error of a pixel that samples are taken for, up to `samples`, digital numbers, and how many
+   * standard errors it is to be; 0: none is stated. Nothing is shared between pixels then. */
+  float target_dn, target_sigmas;
+  /* Pixels that `samples` samples did not bring to the target are added to it; NULL: not counted */
+  atomic_size_t *missed;
   int row0, row1; /* rows of the image to render; row1 0: all */
   /* borrowed; NULL: all samples are of this instant. Otherwise radiance is the contribution of this
    * instant's samples to the mean, and points are not filled */

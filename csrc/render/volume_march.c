@@ -3,6 +3,7 @@
 
 #include <math.h>
 
+#include "base/work.h"
 #include "math/sampling.h"
 #include "shade/graph_medium.h"
 
@@ -205,11 +206,13 @@ void pl_volume_march(const pl_volume_view *view, const pl_volume_ray *ray,
   for (size_t i = 0; i < part->count; i++)
     even = even && part->items[i]->columns == NULL;
   if (even) {
+    pl_work_add(PL_WORK_volume_steps, 1);
     march_even(view, ray, part, sum);
     return;
   }
   const spacing s = spacing_of(view, ray, part);
   const int steps = (int)s.steps;
+  pl_work_add(PL_WORK_volume_steps, (size_t)steps);
   for (int i = 0; i < steps && pl_vec3f_max(sum->transmittance) > DARK; i++) {
     double ends[2], middle;
     step_of(&s, part, i, steps, ends, &middle);

@@ -3,6 +3,7 @@
 
 #include <math.h>
 
+#include "base/work.h"
 #include "sensor/draws.h"
 #include "sensor/glare.h"
 #include "plan/effects.h"
@@ -13,12 +14,25 @@
 const pl_sensor_stage pl_sensor_stages[] = {PL_SENSOR_STAGES(PL_EFFECT, PL_STEP)};
 const size_t pl_sensor_stage_count = sizeof pl_sensor_stages / sizeof pl_sensor_stages[0];
 
+static int value_of(const pl_sensor_stage *stage, const pl_plan *plan) {
+  return stage->effect == NULL ? 1 : pl_plan_value(plan, stage->effect);
+}
+
+size_t pl_sensor_stages_of(const pl_sensor *sensor, const pl_plan *plan) {
+  size_t on = 0;
+  for (size_t i = 0; i < pl_sensor_stage_count; i++)
+    on += value_of(&pl_sensor_stages[i], plan) > 0;
+  return on * (sensor->plane_count > 0 ? (size_t)sensor->plane_count : 1);
+}
+
 pl_status pl_sensor_run(pl_sensor_frame *frame, const pl_plan *plan) {
   for (size_t i = 0; i < pl_sensor_stage_count; i++) {
     const pl_sensor_stage *stage = &pl_sensor_stages[i];
-    const int value = stage->effect == NULL ? 1 : pl_plan_value(plan, stage->effect);
+    const int value = value_of(stage, plan);
     if (value > 0)
       PL_TRY(stage->run(frame, value));
+    pl_work_add(PL_WORK_sensor_values,
+                value > 0 ? (size_t)frame->width * (size_t)frame->height : 0);
     if (frame->glare != NULL)
       pl_glare_follow(frame, stage);
   }

@@ -2,6 +2,7 @@
 
 #include <math.h>
 
+#include "base/work.h"
 #include "math/fractal.h"
 #include "shade/body_map.h"
 
@@ -310,6 +311,7 @@ void pl_cloud_places(const pl_cloud_cover *cover, const pl_cloud_spot *spots, si
     find_mean(cover, &sights[i]);
     noisy |= sights[i].noisy;
   }
+  pl_work_add(PL_WORK_cloud_octaves, count * (noisy ? 1 + (size_t)cover->detail : 1));
   if (noisy)
     find_noise(cover, sights, count, (wants & PL_CLOUD_TOPS) != 0, &noise);
   for (size_t i = 0; i < count; i++)

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/work.h"
 #include "math/sampling.h"
 #include "shade/body_map.h"
 #include "shade/graph_program.h"
@@ -45,6 +46,7 @@ static void run(const pl_graph *graph, const pl_program *program, const batch *a
                 pl_lanes registers[PL_GRAPH_REGISTERS], pl_slopes *slopes) {
   pl_node_call call = {.points = at->points, .graph = graph, .params = at->params};
   pl_lanes room[PL_NODE_SOCKETS];
+  pl_work_add(PL_WORK_graph_steps, program->count * at->count * (slopes != NULL ? 3 : 1));
   for (size_t n = 0; n < program->count; n++) {
     const pl_instruction *instruction = &program->instructions[n];
     const pl_node_kind *kind = instruction->kind;

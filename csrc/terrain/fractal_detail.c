@@ -6,6 +6,7 @@
 
 #include "base/hash.h"
 #include "base/wide.h"
+#include "base/work.h"
 #include "math/philox.h"
 #include "math/rotation.h"
 #include "math/sampler.h"
@@ -320,6 +321,7 @@ static pl_vec3 octave_gradient(uint32_t key, pl_vec3 place) {
 pl_vec3 pl_fractal_detail_octave_gradient(const pl_fractal_detail *detail, pl_vec3 direction,
                                           int octave) {
   const pl_vec3 *axes = detail->axes[octave];
+  pl_work_add(PL_WORK_noise_octaves, 1);
   const pl_vec3 place = {pl_vec3_dot(axes[0], direction), pl_vec3_dot(axes[1], direction),
                          pl_vec3_dot(axes[2], direction)};
   const pl_vec3 slope =

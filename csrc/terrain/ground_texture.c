@@ -2,6 +2,7 @@
 
 #include <math.h>
 
+#include "base/work.h"
 #include "math/philox.h"
 #include "terrain/cube.h"
 
@@ -204,6 +205,7 @@ static int weigh_patches(const pl_ground_texture *texture, double radius_m, pl_v
 static int find_patches(const pl_ground_texture *texture, double radius_m, pl_vec3 to,
                         kept_images *kept, patch out[PATCHES]) {
   const int count = weigh_patches(texture, radius_m, to, out);
+  pl_work_add(PL_WORK_texture_patches, (size_t)count);
   for (int k = 0; k < count; k++)
     place_image(texture, radius_m, to, kept, &out[k]);
   return count;

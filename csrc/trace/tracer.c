@@ -2,6 +2,7 @@
  * geometry with a closed form. The nearest hit is returned. */
 #include "trace/tracer.h"
 
+#include "base/work.h"
 #include "scene/graph_point.h"
 #include "scene/shot_frame.h"
 #include "trace/accelerator.h"
@@ -232,9 +233,14 @@ static void closest_packet(const pl_tracer *tracer, const pl_ray *rays, pl_hit *
   pl_packet packet;
   pl_entry entry;
   const pl_instance *instance;
+  size_t entered[2] = {0, 0};
   pl_packet_fill(&packet, rays, count);
-  for (size_t k = 0; (instance = next_of_packet(tracer, &packet, &k, &entry)) != NULL;)
+  for (size_t k = 0; (instance = next_of_packet(tracer, &packet, &k, &entry)) != NULL;) {
     closest_packet_in(tracer, instance, rays, hits, count, &packet, &entry);
+    entered[instance->tiled] += count;
+  }
+  pl_work_add(PL_WORK_packet_rays, entered[0]);
+  pl_work_add(PL_WORK_ground_rays, entered[1]);
 }
 
 /* The same for one ray, up to a limit. */
@@ -285,12 +291,16 @@ static void closest_single_in(const pl_tracer *tracer, const pl_instance *instan
 
 static void closest_single(const pl_tracer *tracer, const pl_ray *ray, pl_hit *hit) {
   const pl_instance *instance;
+  size_t entered[2] = {0, 0};
   double start_m;
   double limit_m = ray->t_max;
   for (size_t k = 0; (instance = next_of_ray(tracer, ray, limit_m, &k, &start_m)) != NULL;) {
     closest_single_in(tracer, instance, ray, start_m, hit);
     limit_m = !pl_surface_is_none(hit->surface_id) ? hit->t : ray->t_max;
+    entered[instance->tiled]++;
   }
+  pl_work_add(PL_WORK_single_rays, entered[0]);
+  pl_work_add(PL_WORK_single_ground_rays, entered[1]);
 }
 
 void pl_tracer_closest(const pl_tracer *tracer, const pl_ray *rays, pl_hit *hits, size_t count,
@@ -307,6 +317,7 @@ void pl_tracer_closest(const pl_tracer *tracer, const pl_ray *rays, pl_hit *hits
     for (size_t i = 0; i < count; i++)
       if (!rays[i].no_meshes)
         closest_single(tracer, &rays[i], &hits[i]);
+  pl_work_add(PL_WORK_body_rays, count * tracer->closed_count);
   for (size_t k = 0; k < tracer->closed_count; k++)
     tracer->closed[k]->closest(tracer->snapshot, rays, hits, count);
 }
@@ -333,9 +344,14 @@ static void occluded_packet(const pl_tracer *tracer, const pl_ray *rays, bool *o
   pl_packet packet;
   pl_entry entry;
   const pl_instance *instance;
+  size_t entered[2] = {0, 0};
   pl_packet_fill(&packet, rays, count);
-  for (size_t k = 0; (instance = next_of_packet(tracer, &packet, &k, &entry)) != NULL;)
+  for (size_t k = 0; (instance = next_of_packet(tracer, &packet, &k, &entry)) != NULL;) {
     occluded_packet_in(tracer, instance, rays, occluded, count, &packet, &entry);
+    entered[instance->tiled] += count;
+  }
+  pl_work_add(PL_WORK_shadow_rays, entered[0]);
+  pl_work_add(PL_WORK_shadow_ground_rays, entered[1]);
 }
 
 static bool occluded_single_in(const pl_tracer *tracer, const pl_instance *instance,
@@ -351,9 +367,11 @@ static bool occluded_single_in(const pl_tracer *tracer, const pl_instance *insta
 static bool occluded_single(const pl_tracer *tracer, const pl_ray *ray) {
   const pl_instance *instance;
   double start_m;
-  for (size_t k = 0; (instance = next_of_ray(tracer, ray, ray->t_max, &k, &start_m)) != NULL;)
+  for (size_t k = 0; (instance = next_of_ray(tracer, ray, ray->t_max, &k, &start_m)) != NULL;) {
+    pl_work_add(instance->tiled ? PL_WORK_shadow_ground_rays : PL_WORK_shadow_rays, 1);
     if (occluded_single_in(tracer, instance, ray, start_m))
       return true;
+  }
   return false;
 }
 
@@ -370,6 +388,7 @@ void pl_tracer_occluded(const pl_tracer *tracer, const pl_ray *rays, bool *occlu
   else if (tracer->instance_count > 0)
     for (size_t i = 0; i < count; i++)
       occluded[i] = occluded_single(tracer, &rays[i]);
+  pl_work_add(PL_WORK_body_rays, count * tracer->closed_count);
   for (size_t k = 0; k < tracer->closed_count; k++)
     tracer->closed[k]->occluded(tracer->snapshot, rays, occluded, count);
 }

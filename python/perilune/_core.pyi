@@ -72,6 +72,9 @@ from perilune._core_records import (
     Constant as Constant,
 )
 from perilune._core_records import (
+    Cost as Cost,
+)
+from perilune._core_records import (
     Exposure as Exposure,
 )
 from perilune._core_records import (
@@ -156,6 +159,7 @@ CHANNELS: tuple[Channel, ...]
 """Every per-pixel channel the core can compute, in a fixed order."""
 
 EFFECTS: tuple[dict[str, str], ...]
+COSTS: tuple[Cost, ...]  # the model of costs: units of work
 """Every row of the table of effects: {"name", "doc"}."""
 
 REFLECTANCES: tuple[dict[str, str], ...]
@@ -480,13 +484,19 @@ class Renderer:
     """Renders frames of one scene; keeps its accelerators and buffers between frames."""
     def __new__(cls, scene: Scene) -> Self: ...
     def render(
-        self, request: FrameRequest, out: Mapping[str, NDArray[Any]], threads: int = 1
+        self,
+        request: FrameRequest,
+        out: Mapping[str, NDArray[Any]],
+        threads: int = 1,
+        pilot: bool = False,
     ) -> FrameResult:
         """Fills the arrays of `out`: any of CHANNELS by name, C-contiguous, exact shape and type,
         "objects": (objects,) of OBJECT_LABEL, "keypoints": (keypoints,) of KEYPOINT_LABEL,
         "part_groups": (groups,) of OBJECT_LABEL, whose pose is that of the object, and "masks":
         (objects, height, width) uint8, 1 on the full silhouette of each object inside the image, hidden parts too (the visible part is
-        where "instance" is the object's). Releases the GIL; ctrl-C cancels."""
+        where "instance" is the object's). pilot: the work of the colour is counted on a part of the
+        picture, for all of it; `out` may hold rgb alone, which is of no use then. Releases the GIL;
+        ctrl-C cancels."""
     def trace(
         self,
         request: FrameRequest,

@@ -76,6 +76,8 @@ class Quality(TypedDict):
     max_bounces: int  # 0..64
     texture_filter: int  # ceiling, 1..7, see the row of that name
     volume_steps: NotRequired[int]  # ceiling, 1..4096; with volumes
+    target_dn: NotRequired[float]  # error of a pixel that samples are taken for; 0: none is stated
+    target_sigmas: NotRequired[float]  # standard errors that it is to be
     tolerance_dn: float  # an effect whose bound is below this is left out; 0 keeps all that apply
     force_on: Sequence[str]  # effects kept whatever their bound
     force_off: Sequence[str]  # effects left out whatever their bound
@@ -201,6 +203,11 @@ class GroundUse(TypedDict):
     widened_body: str | None  # the body whose cells are
     missed_body: str | None  # a body that states a patch of which the camera sees none
 
+class Cost(TypedDict):
+    name: str
+    doc: str  # what one is
+    ns: float  # of one thread, on the machine of the table that ships
+
 class FrameResult(TypedDict):
     white_radiance: float  # nan: automatic, and no colour was asked for
     exposure_s: float  # of the sensor; nan: none of its channels was asked for
@@ -208,6 +215,9 @@ class FrameResult(TypedDict):
     plan: list[PlanRow]
     timings_s: dict[str, float]
     stars: SeenStars  # that the colours show
+    work: dict[str, int]  # what was done, by names of COSTS; zeros for plans
+    missed: int  # pixels that all samples did not bring to the target
+    aimed: bool  # whether pixels got samples by their error: a target, and neither motion nor lens
     ground: GroundUse  # zeros without terrain, and for plans
 
 class BandLight(TypedDict):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import lru_cache
@@ -20,6 +21,9 @@ from perilune.bodies.shapes import BodyShape
 from perilune.camera import bands, trajectories
 from perilune.config import Config, ConfigError
 from perilune.config.errors import named
+from perilune.config.render import Render
+from perilune.cost import calibration
+from perilune.cost.budget import Budgeted, at_tolerance, within
 from perilune.cost.costed import Costed
 from perilune.document import Document
 from perilune.document.references import (
@@ -41,7 +45,6 @@ from perilune.frame.range_sensors import RangeSensors
 from perilune.frame.remarks import Remarks
 from perilune.frame.request import arrays_of, object_dtype
 from perilune.frame.rows import row_poses
-from perilune.frame.shown import Plan
 from perilune.frame.unseen import Unseen
 from perilune.orbits import Setting, System, solar_system
 from perilune.orbits.hooked import hooks_of
@@ -375,37 +378,26 @@ class Simulation(RangeSensors, Costed):
             arrays = arrays_of(scene.config, ["rgb"], {}, handles.pool)
             return renderer.measure_frame(request, arrays, repeats)
 
-    def plan(
-        self,
-        index: int,
-        *,
-        measure: bool = False,
-        threads: int | None = None,
-        progress: Callable[[int, int], object] | None = None,
-    ) -> Plan:
-        """The effects kept and left out in a frame, with reasons.
+    def _kept_within(self, scene: World, arrays: Mapping[str, Array]) -> Budgeted | None:
+        """What render.time_budget_ms keeps of the colours of a frame; None without one. It follows
+        the table of costs that ships, so that frames are the same on every machine."""
+        render = scene.config.render
+        if render.time_budget_ms is None or not passes.COLOURS & set(arrays):
+            return None
+        table = calibration.of_table()
+        return within(self, scene.index, render.time_budget_ms, render.tolerance_dn, table)
 
-        It includes the sensor's effects if render.channels has one of its channels. Nothing is
-        rendered, unless measure: then the frame is, twice without each effect that is on and twice
-        with each that was left out, on `threads`, and rows say what effects take and change (see
-        docs/effects.md). progress: called with effects done and in all."""
-        planned = self._planned(index)
-        if measure:
-            from perilune.cost.rows import Rows
-
-            planned.spread_ms = Rows(self, index, threads).measure(planned, progress)
-        return planned
-
-    def _planned(self, index: int) -> Plan:
-        scene, handles = self.world(index), self._mine()
-        request = self._request(scene)
-        if not set(OF_SENSOR) & set(scene.config.render.channels):
-            request["sensor"] = None
-        metered = self._metered(scene) if request["sensor"] is not None else None
-        with handles.lock:
-            if metered is not None:
-                passes.expose(request, handles.renderer_of(metered[0]).plan(metered[1]))
-            return Plan(handles.renderer_of(scene.config).plan(request)["plan"])
+    def _told_of_target(
+        self, render: Render, arrays: Mapping[str, Array], result: _core.FrameResult
+    ) -> dict[str, float]:
+        """What meta says of render.target_error_dn in a frame with colour."""
+        pictures = [array for name, array in arrays.items() if name in passes.COLOURS]
+        if render.target_error_dn is None or not pictures:
+            return {}
+        height, width = pictures[0].shape[:2]
+        missed = result["missed"] / (height * width) if result["aimed"] else math.nan
+        self._remarks.tell_of_target(self._document.source, render, missed)
+        return {"target_missed": missed}
 
     def __getitem__(self, index: int) -> Sample:
         return self.frame(index)
@@ -443,12 +435,14 @@ class Simulation(RangeSensors, Costed):
         if HIERARCHY in names:
             request["part_groups"] = handles.hierarchy.request()
             arrays["part_groups"] = handles.hierarchy.empty(object_dtype())
+        kept = self._kept_within(scene, arrays)
+        colours = None if kept is None else at_tolerance(request, kept.tolerance_dn)
         try:
             with handles.lock:
                 if metered is not None:
                     passes.expose(request, handles.renderer_of(metered[0]).plan(metered[1]))
                 renderer = handles.renderer_of(scene.config)
-                result = passes.render(renderer, request, arrays, count, undistorted)
+                result = passes.render(renderer, request, arrays, count, undistorted, colours)
         except Exception as error:
             error.add_note(f"{self._document.source}: frame {scene.index}")
             raise
@@ -466,6 +460,10 @@ class Simulation(RangeSensors, Costed):
             where = f"{self._document.source}: camera.trajectory.target"
             self._remarks.tell_of_key(where, unseen)
         self._remarks.tell_of_ground(self._document.source, result["ground"])
+        more |= self._told_of_target(scene.config.render, arrays, result)
+        if kept is not None:
+            self._remarks.tell_of_budget(self._document.source, kept)
+            more |= {"budget_tolerance_dn": kept.tolerance_dn, "expected_ms": kept.expected.ms}
         tables = {}
         if found is not None:
             tables[KEYPOINTS] = handles.keypoints.table(found)

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/work.h"
 #include "harness.h"
 
 enum { ITEMS = 5000, MAX_WORKERS = 300 };
@@ -53,6 +54,25 @@ static void every_item_is_done_once(void **state) {
       assert_int_equal(sum, count);
       free(tally);
     }
+  }
+}
+
+static pl_status add_work(void *context, size_t item, int worker) {
+  (void)context;
+  (void)worker;
+  pl_work_add(PL_WORK_samples, item);
+  return PL_OK;
+}
+
+static void work_of_all_threads_is_the_callers(void **state) {
+  (void)state;
+  const int thread_counts[] = {1, 2, 16};
+  for (size_t i = 0; i < 3; i++) {
+    const pl_work_counts before = pl_work_done;
+    assert_int_equal(pl_parallel_for(thread_counts[i], ITEMS, add_work, NULL, NULL), PL_OK);
+    const pl_work_counts done = pl_work_since(&before);
+    for (int k = 0; k < PL_WORK_COUNT; k++)
+      assert_int_equal(done.of[k], k == PL_WORK_samples ? ITEMS * (ITEMS - 1) / 2 : 0);
   }
 }
 
@@ -145,6 +165,7 @@ static void work_itself_may_cancel(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(every_item_is_done_once),
+      cmocka_unit_test(work_of_all_threads_is_the_callers),
       cmocka_unit_test(no_threads_is_a_bad_argument),
       cmocka_unit_test(a_failure_stops_the_rest_and_its_text_arrives),
       cmocka_unit_test(a_token_set_before_lets_nothing_run),

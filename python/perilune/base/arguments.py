@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
 from typing import Any
 
@@ -14,6 +15,15 @@ def whole(name: str, value: Any, least: int | None = None) -> int:
     if least is not None and number < least:
         raise ValueError(f"{name} = {number}: must be {least} or more")
     return number
+
+
+def positive(name: str, value: Any) -> float:
+    """The value as a finite number above 0; TypeError or ValueError that names it otherwise."""
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise TypeError(f"{name}: must be a number, not {type(value).__name__}")
+    if not 0.0 < value < math.inf:
+        raise ValueError(f"{name}: must be above 0 and finite, not {value}")
+    return float(value)
 
 
 def frame_index(index: Any) -> int:

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import perilune
+from perilune.cli.calibrate import CALIBRATE
 from perilune.cli.check import CHECK
 from perilune.cli.command import FAILED, INTERNAL, INTERRUPTED, Command
 from perilune.cli.cost import COST
@@ -34,6 +35,7 @@ COMMANDS: tuple[Command, ...] = (
     PREVIEW,
     PLAN,
     COST,
+    CALIBRATE,
     PARTS,
     GRAPH,
     ORBIT,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from argparse import ArgumentParser, Namespace
+from argparse import ArgumentParser, ArgumentTypeError, Namespace
 from collections.abc import Sequence
 from typing import Any
 
@@ -13,7 +13,19 @@ from perilune.cli.options import add_config, add_frame, add_threads, open_simula
 from perilune.cli.progress import Bar
 from perilune.cli.text_table import text_table
 from perilune.frame.plan_rows import REASON, cells, columns, totals
+from perilune.frame.shown import Plan
 from perilune.orbits.almanac import sources
+
+
+def milliseconds(text: str) -> float:
+    """A positive number of milliseconds, as an argument."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not 0.0 < value < math.inf:
+        raise ArgumentTypeError(f"{text!r} is not a positive number of milliseconds")
+    return value
 
 
 def _configure(parser: ArgumentParser) -> None:
@@ -24,6 +36,12 @@ def _configure(parser: ArgumentParser) -> None:
         action="store_true",
         help="render the frame without each effect that is on and with each that was left out, and "
         "say what it takes (CPU ms) and changes (RMS and 99.9th percentile over pixels)",
+    )
+    parser.add_argument(
+        "--budget-ms",
+        type=milliseconds,
+        metavar="MS",
+        help="the plan that keeps most within so many ms of CPU, and the error that it leaves",
     )
     add_threads(parser)
     parser.add_argument("--json", action="store_true", help="print one JSON object")
@@ -47,12 +65,16 @@ def _json_row(row: Any) -> dict[str, Any]:
     return found | {key: _finite(row[key]) for key in (*known, *measured)}
 
 
-def _json_plan(rows: Sequence[Any]) -> dict[str, Any]:
+def _json_plan(rows: Plan) -> dict[str, Any]:
     sums = totals(rows)
     return {
         "effects": [_json_row(row) for row in rows],
         "spent_dn": sums.spent_dn,
         "cost_ms": _finite(sums.cost_ms),
+        "expected_ms": rows.expected_ms,
+        "expected_parts_ms": None if rows.expected is None else rows.expected.parts,
+        "costs": None if rows.expected is None else rows.expected.costs.source,
+        "tolerance_dn": rows.tolerance_dn,
     }
 
 
@@ -65,7 +87,14 @@ def _table(rows: Sequence[Any]) -> str:
 def _run(args: Namespace) -> int:
     sim = open_simulation(args)
     with Bar("effect") as bar:
-        rows = sim.plan(args.frame, measure=args.measure, threads=args.threads, progress=bar)
+        rows = sim.plan(
+            args.frame,
+            measure=args.measure,
+            predict=True,
+            budget_ms=args.budget_ms,
+            threads=args.threads,
+            progress=bar,
+        )
     render = sim.config.render
     if args.json:
         print(json.dumps({**_json_plan(rows), "quality": render.named_quality}, indent=2))

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Final, Literal
 from pydantic import Field, model_validator
 
 from perilune.config.errors import fail, fail_unread
-from perilune.config.types import Integer, NonNegative, Strict
+from perilune.config.types import Integer, NonNegative, Positive, Strict
 
 TextureFilter = Literal[
     "nearest",
@@ -44,6 +44,19 @@ class Render(Strict):
     """Colour samples per pixel. With adaptive sampling, pixels whose noise is within three
     tolerances get fewer and outlines up to twice as many, for about the error of this number
     everywhere. At a tolerance of 0 every pixel gets this number."""
+    target_error_dn: Positive | None = None
+    """Error that samples are taken for, in steps of 255 of the image: a pixel gets as many, up to
+    `samples`, as its noise needs to be below this with `target_confidence`. How many is judged by
+    its neighbours alone, which leaves its mean as it is; no light is shared between pixels. A
+    warning says how many pixels `samples` did not bring to it."""
+    target_confidence: Annotated[float, Field(strict=True, gt=0.0, lt=1.0)] = 0.95
+    """Probability with which noise is to be below `target_error_dn`, for errors that are normally
+    distributed."""
+    time_budget_ms: Positive | None = None
+    """CPU time of all threads that the colour of a frame is expected to take at most: effects are
+    left out and samples taken away as at a higher tolerance, the least that the model of costs
+    expects to suffice. It counts work and takes the costs that ship, never the clock, so that
+    frames are the same on every machine; labels are those without it. docs/cost.md."""
     max_bounces: Annotated[Integer, Field(ge=0, le=64)] = 4
     """Largest number of bounces of a light path; 0: direct light only."""
     texture_filter: TextureFilter = "anisotropic_16"
@@ -90,6 +103,22 @@ class Render(Strict):
             fail_unread(
                 "force_off",
                 f"leaves out {self.force_off[0]}, but quality: reference leaves out nothing",
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _of_a_target(self) -> Render:
+        given = self.model_fields_set
+        if self.target_error_dn is None and "target_confidence" in given:
+            fail_unread("target_confidence", "is not used without target_error_dn")
+        if self.time_budget_ms is not None and self.quality == "reference":
+            fail_unread(
+                "time_budget_ms", "leaves out effects, but quality: reference leaves out none"
+            )
+        if self.target_error_dn is not None and "antialiasing" in self.force_on:
+            fail_unread(
+                "target_error_dn",
+                "chooses the samples of pixels, but force_on: antialiasing takes all of them",
             )
         return self
 

@@ -20,19 +20,21 @@ def render(
     arrays: Mapping[str, NDArray[Any]],
     threads: int,
     undistorted: bool,
+    colours: _core.FrameRequest | None = None,
 ) -> _core.FrameResult:
-    """Fills the arrays. undistorted: labels are those of a camera without distortion, which needs a
-    separate pass if colour is requested too; times are sums over both."""
+    """Fills the arrays. undistorted: labels are those of a camera without distortion. colours: the
+    request of what is no label, if it is another. Either needs a separate pass if both colour and
+    labels are asked for; times are sums over both."""
     colour = {name: array for name, array in arrays.items() if name in COLOURS}
-    if not undistorted:
-        return renderer.render(request, arrays, threads)
-    pinhole = _without_lens(request)
+    labelled = _without_lens(request) if undistorted else request
     if not colour:
-        return renderer.render(pinhole, arrays, threads)
-    result = renderer.render(request, colour, threads)
+        return renderer.render(labelled, arrays, threads)
+    if not undistorted and colours is None:
+        return renderer.render(request, arrays, threads)
+    result = renderer.render(colours or request, colour, threads)
     labels = {name: array for name, array in arrays.items() if name not in COLOURS}
     if labels:
-        times = renderer.render(pinhole, labels, threads)["timings_s"]
+        times = renderer.render(labelled, labels, threads)["timings_s"]
         result["timings_s"] = {name: t + times[name] for name, t in result["timings_s"].items()}
     return result
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
 from pathlib import Path
+from statistics import NormalDist
 from typing import Any, NamedTuple, get_args
 
 import numpy as np
@@ -168,6 +169,12 @@ def request_of(
     }
 
 
+@lru_cache(maxsize=16)
+def sigmas(confidence: float) -> float:
+    """Standard errors to both sides of a mean within which it lies with this probability."""
+    return NormalDist().inv_cdf(0.5 * (1.0 + confidence))
+
+
 def _quality(render: Render) -> _core.Quality:
     return {
         "samples": render.samples,
@@ -175,6 +182,8 @@ def _quality(render: Render) -> _core.Quality:
         "volume_steps": render.volume_steps,
         "texture_filter": 1 + get_args(TextureFilter).index(render.texture_filter),
         "tolerance_dn": render.tolerance_dn,
+        "target_dn": render.target_error_dn or 0.0,
+        "target_sigmas": sigmas(render.target_confidence),
         "force_on": list(render.force_on),
         "force_off": list(render.force_off),
     }

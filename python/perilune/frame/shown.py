@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from perilune import _core
 from perilune.frame.html import objects_html, plan_html
 from perilune.frame.plan_rows import totals
+
+if TYPE_CHECKING:
+    from perilune.cost.model import Expected
 
 
 class Plan(list["_core.PlanRow"]):
@@ -18,10 +21,24 @@ class Plan(list["_core.PlanRow"]):
     spread_ms: float | None = None
     """How far two measurements of the frame's time differ; None if nothing was measured."""
 
+    expected: Expected | None = None
+    """What the frame is expected to take, if that was asked for."""
+    tolerance_dn: float | None = None
+    """The tolerance that a budget asked for; None without one."""
+
+    @property
+    def expected_ms(self) -> float | None:
+        """CPU time that the frame is expected to take, ms; None if that was not asked for."""
+        return None if self.expected is None else self.expected.ms
+
     @property
     def text(self) -> str:
         """Counts and sums of all rows, in a sentence or two."""
         told = totals(self).text
+        if self.tolerance_dn is not None:
+            told = f"at a tolerance of {self.tolerance_dn:g} DN: {told}"
+        if self.expected is not None:
+            told = f"{told}; {self.expected.text}"
         if self.spread_ms is None:
             return told
         return f"{told}; the frame itself, measured twice, differs by {self.spread_ms:.3g} ms"
