@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 
+import numpy as np
 import pytest
 
 import perilune
@@ -55,6 +56,28 @@ def test_untouched_frames_have_no_finding(small_scene, pair, tmp_path, name):
     write("npz,exr,exr-half,png" if name == "plain" else "npz", sim, range(3), tmp_path, threads=1)
     for report in check(tmp_path, alone=True):
         assert report.findings == [], report.folder
+
+
+def test_ranges_beyond_half_precision_are_no_fault():
+    """A depth of 60 km at 60 degrees is 120 km away, which a half cannot hold."""
+    camera = {
+        "width": 3,
+        "height": 1,
+        "K": [[0.5773502691896258, 0.0, 1.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+        "lens": None,
+        "R_w2c": np.eye(3).tolist(),
+        "t_w2c": [0.0, 0.0, 0.0],
+    }
+    record = {"camera": camera, "meta": {}, "objects": []}
+    most = np.finfo(np.float16).max
+    depth = np.array([[60000.0, 60000.0, 60000.0]], np.float16)
+    good = {"depth": depth, "range": np.array([[most, 60000.0, most]], np.float16)}
+    info = {"taxonomy": {"instances": [], "parts": [], "classes": {}}}
+    assert list(geometry_faults(info, record, good, lambda steps: None)) == []
+    bad = good | {"range": np.array([[most, 50000.0, most]], np.float16)}
+    (text,) = geometry_faults(info, record, bad, lambda steps: None)
+    assert "range is not the distance" in text
+    assert "1 pixels, the first at column 1" in text
 
 
 @pytest.mark.parametrize("name", ["plain", "brown", "fisheye", "exposure"])

@@ -137,6 +137,9 @@ FAULTS = {
     ("lidar_side", "instance", 77): "lidar_side: instance has ids without a name",
     ("lidar_top", "beam", 1_000_000): "lidar_top: its rows are not in the order of beams",
     ("lidar_top", "intensity", np.nan): "lidar_top: intensity is not finite",
+    ("lidar_top", "semantic", 500): "lidar_top: semantic of level",
+    ("points", "part", 5000): "points: part has ids without a name in 1 rows",
+    ("points", "normal", 0.5): "points: normal is no unit vector in 1 rows",
     ("points", "u", 3): "points: the camera does not see the point at u, v",
     ("points", "range_m", 5.0): "points: range_m is not the distance of the point",
     ("events", "t_us", 1e9): "events: its rows are not in the order of time",
@@ -166,8 +169,19 @@ def test_planted_faults_of_a_ply_are_told(out):
     for name in ("points", "lidar_top"):
         table = decode_cloud((out / f"ply/{name}/000001.ply").read_bytes()).copy()
         assert list(scan_faults(info, record, {name: table})) == []
-        table["range_m"][0] *= 1.001
-        assert any(f"{name}: " in text for text in scan_faults(info, record, {name: table}))
+        damaged = table.copy()
+        damaged["range_m"][0] *= 1.001
+        assert any(f"{name}: " in text for text in scan_faults(info, record, {name: damaged}))
+        level = next(field for field in table.dtype.names if field.startswith("semantic_"))
+        for field, text in ((level, f"{level} has ids without"), ("part", "part has ids without")):
+            damaged = table.copy()
+            damaged[field][-1] = 900
+            assert any(text in found for found in scan_faults(info, record, {name: damaged}))
+        if "nx" in table.dtype.names:
+            damaged = table.copy()
+            damaged["nx"][0] += 0.5
+            found = list(scan_faults(info, record, {name: damaged}))
+            assert any("normal is no unit vector" in text for text in found)
 
 
 ROLLING = {

@@ -49,6 +49,13 @@ def project(camera: Mapping[str, Any], points: F64) -> F64:
     return _core.project(*_optics(camera), np.ascontiguousarray(points))
 
 
+def _held(metres: Array) -> Array:
+    """Where a length is what it says: in half precision the largest stands for all beyond."""
+    if metres.dtype == np.float16:
+        return np.asarray(metres < np.finfo(np.float16).max)
+    return np.ones(metres.shape, dtype=bool)
+
+
 @dataclass(frozen=True)
 class View:
     """The camera of a frame, and what its pixels see."""
@@ -72,8 +79,7 @@ class View:
         """(H, W, 3): the points that pixels see, camera axes, m; nan where there is none. error:
         added to the depths."""
         known = depth > 0
-        if depth.dtype == np.float16:
-            known &= depth < np.finfo(np.float16).max  # stands for all that is beyond
+        known &= _held(depth)
         z = np.where(known, depth.astype(np.float64) + error, np.nan)
         return self.rays * z[:, :, None]
 
@@ -115,7 +121,7 @@ def _lengths(arrays: Arrays, record: Record, view: View) -> Iterator[str]:
     slack = _step(arrays["depth"], record, "depth") * np.linalg.norm(view.rays, axis=2)
     if "range" in arrays:
         away = np.abs(np.linalg.norm(points, axis=2) - arrays["range"])
-        wrong = away > slack + _step(arrays["range"], record, "range")
+        wrong = (away > slack + _step(arrays["range"], record, "range")) & _held(arrays["range"])
         if wrong.any():
             yield f"range is not the distance of what depth tells at {counted(wrong)}"
     # Under a rolling shutter each row has a camera of its own.

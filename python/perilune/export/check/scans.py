@@ -19,6 +19,8 @@ _NEAR = 1e-6
 _DOUBLE = 1e-12
 """The same of places in double precision."""
 _PIXELS = 0.02
+_UNIT = 1e-5
+"""Of normals that are interpolated in single precision."""
 
 
 def _rows(wrong: Array) -> str:
@@ -33,12 +35,38 @@ def _finite(name: str, table: Array) -> Iterator[str]:
             yield f"{name}: {field} is not finite in {_rows(~np.isfinite(column).all(axis=1))}"
 
 
+def _ids(table: Array, info: Info) -> Iterator[tuple[str, Array, list[int]]]:
+    """Title, ids and those that have a name: of the tables, and of semantic as PLY has it."""
+    names, known = table.dtype.names or (), info["taxonomy"]
+    if "instance" in names:
+        yield "instance", table["instance"], [row["id"] for row in known["instances"]]
+    if "part" in names:
+        yield "part", table["part"], [row["id"] for row in known["parts"]]
+    for k, (level, classes) in enumerate(known["classes"].items()):
+        ids = [0, *classes.values()]
+        if f"semantic_{level}" in names:
+            yield f"semantic_{level}", table[f"semantic_{level}"], ids
+        elif "semantic" in names:
+            yield f"semantic of level {level}", table["semantic"][:, k], ids
+
+
 def _named(name: str, table: Array, info: Info) -> Iterator[str]:
-    if "instance" not in (table.dtype.names or ()):
+    for title, values, known in _ids(table, info):
+        if (wrong := ~np.isin(values, known)).any():
+            yield f"{name}: {title} has ids without a name in {_rows(wrong)}"
+
+
+def _units(name: str, table: Array) -> Iterator[str]:
+    """Normals of points; where a table has none, they are not looked at."""
+    names = table.dtype.names or ()
+    if "normal" in names:
+        normal = table["normal"].astype(np.float64)
+    elif "nx" in names:
+        normal = np.stack([table[axis].astype(np.float64) for axis in ("nx", "ny", "nz")], axis=1)
+    else:
         return
-    wrong = ~np.isin(table["instance"], [row["id"] for row in info["taxonomy"]["instances"]])
-    if wrong.any():
-        yield f"{name}: instance has ids without a name in {_rows(wrong)}"
+    if (wrong := np.abs(np.linalg.norm(normal, axis=1) - 1.0) > _UNIT).any():
+        yield f"{name}: normal is no unit vector in {_rows(wrong)}"
 
 
 def _returns(name: str, table: Array) -> Iterator[str]:
@@ -108,6 +136,7 @@ def scan_faults(info: Info, record: Record, arrays: Mapping[str, Array]) -> Iter
             continue
         yield from _finite(name, table)
         yield from _named(name, table, info)
+        yield from _units(name, table)
         if name == EVENTS:
             yield from _events(name, table, record)
         elif name == POINTS:
