@@ -144,6 +144,19 @@ static void test_table(void **state) {
   pl_size_table_destroy(table);
 }
 
+/* A law that is given by points: these themselves, and power laws between them. */
+static void test_points(void **state) {
+  (void)state;
+  static const double diameters[] = {1.0, 10.0, 100.0, 200.0},
+                      densities[] = {1e-2, 1e-4, 1e-7, 0.0};
+  const pl_size_points points = {diameters, densities, 4};
+  for (size_t k = 0; k < 4; k++)
+    near(pl_size_points_density(&points, diameters[k]), densities[k], 1e-12);
+  near(pl_size_points_density(&points, sqrt(10.0)), 1e-3, 1e-12);
+  near(pl_size_points_density(&points, sqrt(1000.0)), pow(10.0, -5.5), 1e-12);
+  assert_true(pl_size_points_density(&points, 150.0) < 1e-7);
+}
+
 static void test_no_craters(void **state) {
   (void)state;
   pl_crater_law law = law_of(PL_CRATERS_TRASK);
@@ -194,7 +207,8 @@ int main(void) {
       cmocka_unit_test(test_production),  cmocka_unit_test(test_chronology),
       cmocka_unit_test(test_equilibrium), cmocka_unit_test(test_crossover),
       cmocka_unit_test(test_draws),       cmocka_unit_test(test_table),
-      cmocka_unit_test(test_no_craters),  cmocka_unit_test(test_errors),
+      cmocka_unit_test(test_points),      cmocka_unit_test(test_no_craters),
+      cmocka_unit_test(test_errors),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

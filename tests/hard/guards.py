@@ -95,7 +95,7 @@ def main(names: list[str]) -> int:
     chosen = [guard for guard in table if not names or guard.name in names]
     tests = sorted({test for guard in chosen for test in guard.tests})
     trial.prepare(trial.targets_of(tests))
-    broken = trial.failures(tests)
+    broken = trial.measure(tests)
     if broken:
         print(f"these fail with all guards: {', '.join(sorted(broken))}", file=sys.stderr)
         return 1

@@ -7,10 +7,12 @@ import contextlib
 import importlib.util
 import os
 import re
+import resource
 import shutil
 import signal
 import subprocess
 import sys
+import time
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
@@ -19,8 +21,10 @@ TREE = ROOT / "build" / "guards" / "tree"
 BUILD = TREE / "build" / "c"
 """As deep below its root as script/test's: seen from there, all paths are equal, and ccache has
 what the package and the C tests have compiled."""
-LONGEST_S = 60
-"""A program that takes longer hangs, which is noticed."""
+LONGEST_S = 60.0
+"""What takes longer hangs, which is noticed, unless it took a tenth of that with all guards."""
+_MOST_BYTES = 12 << 30
+"""Address space of what is tried: naive code may ask for all memory."""
 _COPIED = ("csrc", "tests/c", "tests/fuzz", "python")
 _LINKED = ("assets", "configs", "docs", "CMakeLists.txt", "pyproject.toml")
 # Naive code may leave something unused; the flags stay, so that ccache has all other files.
@@ -45,7 +49,13 @@ class TrialError(Exception):
     """The words of the compiler, or of pytest where it found nothing to run."""
 
 
-def _run(command: Sequence[str | Path], **environment: str) -> tuple[int | None, str]:
+_limits_s: dict[str, float] = {}
+"""By file of tests."""
+
+
+def _run(
+    command: Sequence[str | Path], limit_s: float = 3600.0, **environment: str
+) -> tuple[int | None, str]:
     """Status and output; the status is None for a program that hangs."""
     with subprocess.Popen(
         [str(word) for word in command],
@@ -56,9 +66,10 @@ def _run(command: Sequence[str | Path], **environment: str) -> tuple[int | None,
         text=True,
         errors="replace",
         start_new_session=True,
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (_MOST_BYTES, _MOST_BYTES)),
     ) as process:
         try:
-            said = process.communicate(timeout=LONGEST_S)[0]
+            said = process.communicate(timeout=limit_s)[0]
             return process.returncode, said
         except subprocess.TimeoutExpired:
             os.killpg(process.pid, signal.SIGKILL)
@@ -138,15 +149,30 @@ def failures(tests: Sequence[str]) -> set[str]:
     """Tests that fail, crash or hang: of the asked ones of Python, and of all C tests in the same
     programs."""
     found: set[str] = set()
-    for file in sorted({test.partition("::")[0] for test in tests if test.startswith("c/")}):
-        found |= {f"{file}::{name}" for name in _failures_of_c(Path(file).stem)}
-    python = [test for test in tests if not test.startswith("c/")]
-    return found | (_failures_of_python(python) if python else set())
+    for file in sorted({test.partition("::")[0] for test in tests}):
+        if file.startswith("c/"):
+            found |= {f"{file}::{name}" for name in _failures_of_c(file)}
+        else:
+            own = [test for test in tests if test.startswith(f"{file}::")]
+            found |= _failures_of_python(file, own)
+    return found
 
 
-def _failures_of_c(program: str) -> set[str]:
+def measure(tests: Sequence[str]) -> set[str]:
+    """The same with all guards, however long it takes; ten times as long is a hang from then on."""
+    found: set[str] = set()
+    for file in sorted({test.partition("::")[0] for test in tests}):
+        began = time.monotonic()
+        _limits_s[file] = 3600.0
+        found |= failures([test for test in tests if test.startswith(f"{file}::")])
+        _limits_s[file] = max(LONGEST_S, 10.0 * (time.monotonic() - began))
+    return found
+
+
+def _failures_of_c(file: str) -> set[str]:
     """Names that began and did not end well. By lines, so that those before a crash are seen."""
-    said = _run(["stdbuf", "-oL", BUILD / program])[1]
+    limit_s = _limits_s.get(file, LONGEST_S)
+    said = _run(["stdbuf", "-oL", BUILD / Path(file).stem], limit_s)[1]
     began, ended = set(), set()
     for what, name in _C_LINE.findall(said):
         (began if what == "RUN" else ended).add(name)
@@ -155,12 +181,12 @@ def _failures_of_c(program: str) -> set[str]:
     return began - ended
 
 
-def _failures_of_python(tests: Sequence[str]) -> set[str]:
+def _failures_of_python(file: str, tests: Sequence[str]) -> set[str]:
     options = ("-v", "--tb=no", "-p", "no:cacheprovider", "-p", "no:xdist", "--no-header")
     nodes = [f"tests/{test}" for test in tests]
-    status, said = _run(
-        [sys.executable, "-m", "pytest", *options, *nodes], PYTHONPATH=str(TREE / "python")
-    )
+    limit_s = _limits_s.get(file, LONGEST_S)
+    command = [sys.executable, "-m", "pytest", *options, *nodes]
+    status, said = _run(command, limit_s, PYTHONPATH=str(TREE / "python"))
     seen = _PY_LINE.findall(said)
     if not seen or status not in (0, 1, None, -11, -6, -8, 139, 134):
         raise TrialError(said[-3000:])
