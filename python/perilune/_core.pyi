@@ -72,9 +72,6 @@ from perilune._core_records import (
     Constant as Constant,
 )
 from perilune._core_records import (
-    Cost as Cost,
-)
-from perilune._core_records import (
     Exposure as Exposure,
 )
 from perilune._core_records import (
@@ -159,8 +156,10 @@ CHANNELS: tuple[Channel, ...]
 """Every per-pixel channel the core can compute, in a fixed order."""
 
 EFFECTS: tuple[dict[str, str], ...]
-COSTS: tuple[Cost, ...]  # the model of costs: units of work
 """Every row of the table of effects: {"name", "doc"}."""
+
+COSTS: tuple[dict[str, Any], ...]
+"""Every unit of work of the model of costs: {"name", "doc", "ns"}."""
 
 REFLECTANCES: tuple[dict[str, str], ...]
 """Every reflectance model: {"name", "doc"}."""

@@ -203,11 +203,6 @@ class GroundUse(TypedDict):
     widened_body: str | None  # the body whose cells are
     missed_body: str | None  # a body that states a patch of which the camera sees none
 
-class Cost(TypedDict):
-    name: str
-    doc: str  # what one is
-    ns: float  # of one thread, on the machine of the table that ships
-
 class FrameResult(TypedDict):
     white_radiance: float  # nan: automatic, and no colour was asked for
     exposure_s: float  # of the sensor; nan: none of its channels was asked for

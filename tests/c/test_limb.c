@@ -65,6 +65,23 @@ static void test_moments(void **state) {
   }
 }
 
+/* Between which numbers the disc's radiance over its mean lies, which bounds the row where lobes
+ * are narrow. */
+static void test_extremes(void **state) {
+  (void)state;
+  double least = 1.0, most = 1.0;
+  for (double um = 0.40; um < 1.15; um += 0.005) {
+    const pl_limb limb = pl_limb_make((const double[3]){um, um, um});
+    for (int i = 0; i <= 200; i++) {
+      const double ratio = ratio_at(&limb, i / 200.0);
+      least = fmin(least, ratio);
+      most = fmax(most, ratio);
+    }
+  }
+  assert_true(1.0 - least < 0.834 && 1.0 - least > 0.82);
+  assert_true(1.0 - 1.0 / most < 0.834);
+}
+
 /* Draws are as dense as the second band is bright: of random ones the part inside each ring is the
  * part of the light, within four standard errors. */
 static void test_draws(void **state) {
@@ -108,6 +125,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_values),
       cmocka_unit_test(test_moments),
+      cmocka_unit_test(test_extremes),
       cmocka_unit_test(test_draws),
       cmocka_unit_test(test_wavelengths_are_cut_off),
   };
