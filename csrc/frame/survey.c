@@ -40,6 +40,7 @@ pl_detail pl_plan_detail(const pl_plan *plan) {
                      .bumps = pl_plan_value(plan, &pl_effect_bump_detail) > 0,
                      .relief = pl_plan_value(plan, &pl_effect_relief) > 0,
                      .sub_cell = pl_plan_value(plan, &pl_effect_sub_cell_normals) > 0,
+                     .texture_slopes = pl_plan_value(plan, &pl_effect_texture_slopes) > 0,
                      .glint = pl_plan_value(plan, &pl_effect_glint) > 0,
                      .lights = pl_plan_value(plan, &pl_effect_night_lights) > 0,
                      .rays = pl_plan_value(plan, &pl_effect_crater_rays) > 0,

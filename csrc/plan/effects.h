@@ -29,6 +29,7 @@
   X(terrain) \
   X(far_casters) \
   X(sub_cell_normals) \
+  X(texture_slopes) \
   X(crater_rays) \
   X(bump_detail) \
   X(relief) \

@@ -60,6 +60,7 @@ typedef struct pl_view_entity {
   bool bumped;   /* has a normal map or bump map */
   bool diffuse; /* purely Lambertian: radiance is proportional to its colour times the irradiance */
   bool rays;    /* terrain with bright rays of craters */
+  bool sampled; /* terrain with textures of heights that samples of its nearest ground resolve */
   bool relief;  /* body whose normals are perturbed by a relief map */
   bool ocean;   /* body with open water */
   int terrain;  /* finest level of a height field that is its surface; 0: none */

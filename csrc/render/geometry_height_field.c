@@ -71,13 +71,14 @@ static pl_vec3 slope_on(pl_vec3 normal, pl_vec3 up, pl_vec3 slope) {
 }
 
 /* Slopes that the ground has are not in its law of reflectance, too. */
-static void add_slopes(const pl_shot_body *body, const pl_beam *beam, pl_vertex *vertex) {
+static void add_slopes(const pl_shot_body *body, const pl_beam *beam, bool textures,
+                       pl_vertex *vertex) {
   const pl_terrain *terrain = body->field->terrain;
   const pl_ground_tile *tile = body->field->tiles[vertex->triangle];
   const pl_vec3 up =
       pl_vec3_unit(pl_mat3_mul_vec_t(body->rotation, pl_vec3_sub(vertex->position, body->center)));
   const pl_sub_cell left = pl_terrain_sub_cell(terrain, up, pl_ground_tile_lattice(tile->id),
-                                               pl_fine_slopes_footprint_m(vertex, beam));
+                                               pl_fine_slopes_footprint_m(vertex, beam), textures);
   const pl_vec3 normal = pl_mat3_mul_vec_t(body->rotation, pl_vec3f_to_double(vertex->surface.n));
   const pl_rough rough = {to_root(body, slope_on(normal, up, left.slope)),
                           (float)fmax(left.variance, 0.0), (float)left.whole, (float)left.stones,
@@ -90,7 +91,7 @@ static void shade(const pl_snapshot *shot, const pl_beam *beam, pl_detail detail
   const pl_shot_body *body = pl_shot_body_of(shot, vertex->surface_id);
   pl_body_surface_shade(shot, body, beam, detail, vertex);
   if (detail.sub_cell)
-    add_slopes(body, beam, vertex);
+    add_slopes(body, beam, detail.texture_slopes, vertex);
 }
 
 static void classify(const pl_snapshot *shot, const pl_beam *beam, pl_vertex *vertex,

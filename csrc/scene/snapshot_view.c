@@ -263,6 +263,7 @@ static pl_view_entity terrain_entity(const pl_snapshot *shot, const pl_shot_body
                                     .finest_m = body->body->finest_cell_m};
   entity.is_body = false;
   entity.terrain = pl_ground_levels(body->body->terrain, &view);
+  entity.sampled = pl_ground_textures_seen(body->body->terrain, &view);
   entity.rays = body->body->graph == NULL && pl_terrain_ray_brightness(body->body->terrain) > 0.0;
   entity.radius_m = body->outer_m;
   entity.irradiance = pl_shot_irradiance_max(shot, body->center, body->outer_m);

@@ -10,22 +10,24 @@
 
 /* Level of detail of textures and patterns. */
 typedef struct pl_detail {
-  bool maps;        /* false: textures are replaced by their mean */
-  bool bumps;       /* false: normal maps and bumps are ignored */
-  bool relief;      /* of bodies; false: they are smooth */
-  bool sub_cell;    /* of terrain; false: slopes finer than the cells of its mesh are left out */
-  bool glint;       /* of open water; false: it is shaded like ground */
-  bool lights;      /* of bodies at night; false: dark */
-  bool rays;        /* of craters on terrain; false: ground without them */
-  pl_filter filter; /* of textures */
-  bool color_only;  /* of surfaces only their colour is asked for; all else may stay unset */
-  bool box;         /* the body's colours are read only once per pixel: see pl_texture_box */
+  bool maps;           /* false: textures are replaced by their mean */
+  bool bumps;          /* false: normal maps and bumps are ignored */
+  bool relief;         /* of bodies; false: they are smooth */
+  bool sub_cell;       /* of terrain; false: slopes finer than the cells of its mesh are left out */
+  bool texture_slopes; /* of textures of heights on terrain, among those of sub_cell */
+  bool glint;          /* of open water; false: it is shaded like ground */
+  bool lights;         /* of bodies at night; false: dark */
+  bool rays;           /* of craters on terrain; false: ground without them */
+  pl_filter filter;    /* of textures */
+  bool color_only;     /* of surfaces only their colour is asked for; all else may stay unset */
+  bool box;            /* the body's colours are read only once per pixel: see pl_texture_box */
 } pl_detail;
 #define PL_DETAIL_FULL                                                                             \
   ((pl_detail){.maps = true,                                                                       \
                .bumps = true,                                                                      \
                .relief = true,                                                                     \
                .sub_cell = true,                                                                   \
+               .texture_slopes = true,                                                             \
                .glint = true,                                                                      \
                .lights = true,                                                                     \
                .rays = true,                                                                       \

@@ -18,3 +18,11 @@ int pl_ground_levels(const pl_terrain *terrain, const pl_ground_tile_view *view)
   const int level = pl_cube_level(fmax(halved_m, view->finest_m), radius_m);
   return level > PL_GROUND_TILE_SHIFT ? level : PL_GROUND_TILE_SHIFT;
 }
+
+/* Most samples along a pixel. */
+#define SAMPLES 64.0
+
+bool pl_ground_textures_seen(const pl_terrain *terrain, const pl_ground_tile_view *view) {
+  const double least_m = pl_ground_clear_m(terrain, view->eye) * view->pixel_rad / SAMPLES;
+  return pl_terrain_has_texture_slopes(terrain, least_m);
+}

@@ -9,4 +9,8 @@
  * finest_m are used; at least 1. Slopes are taken as for the choice of tiles. */
 int pl_ground_levels(const pl_terrain *terrain, const pl_ground_tile_view *view);
 
+/* Whether textures of heights have slopes over footprints of samples in a view, of which eye and
+ * pixel_rad are used: false only if none has. */
+bool pl_ground_textures_seen(const pl_terrain *terrain, const pl_ground_tile_view *view);
+
 #endif

@@ -333,6 +333,10 @@ pl_vec3 pl_ground_texture_slope(const pl_ground_texture *texture, double radius_
   return pl_vec3_madd(out, -pl_vec3_dot(out, direction), direction);
 }
 
+bool pl_ground_texture_shows(const pl_ground_texture *texture, double footprint_m) {
+  return texture->heights != NULL && left_of(texture, footprint_m) > 0.0;
+}
+
 double pl_ground_texture_variance(const pl_ground_texture *texture, double footprint_m) {
   if (texture->heights == NULL)
     return 0.0;

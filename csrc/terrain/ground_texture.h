@@ -49,6 +49,8 @@ void pl_ground_texture_add_heights(const pl_ground_texture *texture, double radi
  * nothing): a vector along the ground in body axes. */
 pl_vec3 pl_ground_texture_slope(const pl_ground_texture *texture, double radius_m,
                                 pl_vec3 direction, double footprint_m, double without_m);
+/* Whether slopes of heights over a footprint are not 0. */
+bool pl_ground_texture_shows(const pl_ground_texture *texture, double footprint_m);
 /* Returns the variance of slopes along any one axis of heights over a footprint. */
 double pl_ground_texture_variance(const pl_ground_texture *texture, double footprint_m);
 /* Writes a bound of the deviations of heights from 0. */

@@ -70,15 +70,15 @@ static int coarsest_at(const pl_terrain *terrain, pl_vec3 direction) {
 /* Normals of the mesh are differences across two cells: what they have of textures is taken away
  * from the slopes over the footprint. */
 static void add_textures(const pl_terrain *terrain, pl_vec3 direction, int level,
-                         double footprint_m, pl_sub_cell *out) {
+                         double footprint_m, bool shown, pl_sub_cell *out) {
   const double mesh_m = 2.0 * pl_cube_cell_m(level, terrain->radius_m);
   for (size_t n = 0; n < terrain->texture_count; n++) {
     const pl_ground_texture *of = &terrain->textures[n];
     const double all = pl_ground_texture_variance(of, 0.0);
-    const double fine = pl_ground_texture_variance(of, footprint_m);
+    const double fine = pl_ground_texture_variance(of, shown ? footprint_m : mesh_m);
     out->variance += all - fine;
     out->whole += all - fmin(fine, pl_ground_texture_variance(of, mesh_m));
-    if (of->heights == NULL || footprint_m >= mesh_m)
+    if (!shown || of->heights == NULL || footprint_m >= mesh_m)
       continue;
     out->slope = pl_vec3_add(
         out->slope, pl_ground_texture_slope(of, terrain->radius_m, direction, footprint_m, mesh_m));
@@ -86,7 +86,7 @@ static void add_textures(const pl_terrain *terrain, pl_vec3 direction, int level
 }
 
 pl_sub_cell pl_terrain_sub_cell(const pl_terrain *terrain, pl_vec3 direction, int level,
-                                double footprint_m) {
+                                double footprint_m, bool textures) {
   const pl_slope_table *table = &terrain->slopes;
   const int last = terrain->detail.last, coarsest = coarsest_at(terrain, direction);
   pl_sub_cell out = {.variance = table->craters[level],
@@ -112,7 +112,7 @@ pl_sub_cell pl_terrain_sub_cell(const pl_terrain *terrain, pl_vec3 direction, in
   out.whole += out.variance;
   out.slope = pl_vec3_madd(out.slope, -pl_vec3_dot(out.slope, direction), direction);
   out.slope = pl_vec3_scale(out.slope, 1.0 / terrain->radius_m);
-  add_textures(terrain, direction, level, footprint_m, &out);
+  add_textures(terrain, direction, level, footprint_m, textures, &out);
   return out;
 }
 

@@ -19,9 +19,10 @@ typedef struct pl_sub_cell {
 } pl_sub_cell;
 
 /* In a unit direction, on a mesh with cells of a level of the lattice, over a footprint. Below the
- * posts of an elevation model, heights are taken to go on as the law of detail does. */
+ * posts of an elevation model, heights are taken to go on as the law of detail does. Without
+ * `textures`, slopes of those that the mesh has not are all left out. */
 pl_sub_cell pl_terrain_sub_cell(const pl_terrain *terrain, pl_vec3 direction, int level,
-                                double footprint_m);
+                                double footprint_m, bool textures);
 
 /* Returns the variance of the slopes along any one axis that cells of a width leave out of the laws
  * of detail and craters. */

@@ -98,6 +98,8 @@ const struct pl_rock_field *pl_terrain_rocks(const pl_terrain *terrain);
 const pl_wheel_tracks *pl_terrain_tracks(const pl_terrain *terrain);
 /* Whether textures have roughness or albedo. */
 bool pl_terrain_has_textures(const pl_terrain *terrain);
+/* Whether textures of heights have slopes over a footprint. */
+bool pl_terrain_has_texture_slopes(const pl_terrain *terrain, double footprint_m);
 /* Returns the product of the factors of textures in a unit direction, over a footprint. */
 double pl_terrain_texture(const pl_terrain *terrain, pl_ground_texture_kind kind, pl_vec3 direction,
                           double footprint_m);

@@ -1,5 +1,6 @@
-/* The effect rows `terrain`, `far_casters`, `sub_cell_normals` and `crater_rays`: heights of
- * bodies, shadows from beyond the frame, slopes finer than the mesh, and bright ejecta. */
+/* The effect rows `terrain`, `far_casters`, `sub_cell_normals`, `texture_slopes` and `crater_rays`:
+ * heights of bodies, shadows from beyond the frame, slopes finer than the mesh, and bright ejecta.
+ */
 #include <math.h>
 
 #include "plan/changed_surfaces.h"
@@ -75,6 +76,36 @@ const pl_effect pl_effect_sub_cell_normals = {
     .ceiling = pl_effect_ceiling_one,
     .bound_dn = bound_dn,
     .cost_ms = normals_cost_ms,
+};
+
+static bool has_texture_slopes(const pl_view_entity *entity, int value) {
+  return value == 0 && entity->sampled;
+}
+
+static const char *texture_slopes_absent(const pl_view *view) {
+  return pl_view_has(view, has_texture_slopes)
+             ? NULL
+             : "no terrain in the scene has textures of heights that samples resolve";
+}
+
+/* They can turn ground away from the Sun, or towards it. */
+static double texture_slopes_bound_dn(const pl_view *view, int value) {
+  return pl_view_changed_dn(view, has_texture_slopes, value);
+}
+
+static double texture_slopes_cost_ms(const pl_view *view, int value) {
+  (void)value;
+  return 2e-3 * view->width * view->height * view->samples;
+}
+
+const pl_effect pl_effect_texture_slopes = {
+    .name = "texture_slopes",
+    .doc = "Slopes of clods and other textures of heights that are finer than the mesh, in "
+           "normals; off: in the reflectance by their variance",
+    .absent = texture_slopes_absent,
+    .ceiling = pl_effect_ceiling_one,
+    .bound_dn = texture_slopes_bound_dn,
+    .cost_ms = texture_slopes_cost_ms,
 };
 
 static bool has_rays(const pl_view_entity *entity, int value) { return value == 0 && entity->rays; }

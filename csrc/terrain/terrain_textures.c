@@ -30,6 +30,13 @@ bool pl_terrain_has_textures(const pl_terrain *terrain) {
   return false;
 }
 
+bool pl_terrain_has_texture_slopes(const pl_terrain *terrain, double footprint_m) {
+  for (size_t n = 0; n < terrain->texture_count; n++)
+    if (pl_ground_texture_shows(&terrain->textures[n], footprint_m))
+      return true;
+  return false;
+}
+
 double pl_terrain_texture(const pl_terrain *terrain, pl_ground_texture_kind kind, pl_vec3 direction,
                           double footprint_m) {
   double factor = 1.0;

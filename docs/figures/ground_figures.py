@@ -23,10 +23,12 @@ SCENES = (
     ("the same, Sun 40 deg", "lunar_rover", {SUN_ELEVATION: 40.0}),
 )
 UNDER_SUNS = (
-    ("orbiter", "lunar_orbiter", 5, (5.0, 15.0, 60.0)),
-    ("lander", "lunar_lander", 40, (5.0, 15.0, 60.0)),
-    ("rover", "lunar_rover", 3, (5.0, 15.0, 60.0)),
+    ("orbiter", "lunar_orbiter", 5, (5.0, 20.0, 60.0)),
+    ("lander", "lunar_lander", 40, (5.0, 20.0, 60.0)),
+    ("rover", "lunar_rover", 3, (5.0, 20.0, 60.0)),
     ("pole", "lunar_pole", 0, (1.5, 5.0, 15.0)),
+    ("Apollo 15", "apollo15", 0, (10.0, 20.0, 60.0)),
+    ("Mars", "mars_descent", 5, (5.0, 20.0, 60.0)),
 )
 """Title, configuration, frame, elevations of the Sun in degrees."""
 

@@ -101,8 +101,8 @@ static void measure(const ground *ground, pl_ground_tile *tile, int count, doubl
     const pl_vec3 mesh = slope_of(pl_height_field_normal(&field, 0, u, v), up);
     const pl_vec3 truth =
         pl_vec3_scale(detail_gradient(&ground->detail, up, 0, ground->detail.last), 1.0 / MOON_M);
-    const pl_sub_cell left =
-        pl_terrain_sub_cell(ground->terrain, up, pl_ground_tile_lattice(tile->id), footprint_m);
+    const pl_sub_cell left = pl_terrain_sub_cell(
+        ground->terrain, up, pl_ground_tile_lattice(tile->id), footprint_m, true);
     const pl_vec3 shown = pl_vec3_add(mesh, left.slope);
     assert_true(fabs(pl_vec3_dot(left.slope, up)) < 1e-12);
     assert_true(left.variance >= -1e-9 && left.whole >= left.variance);
@@ -184,10 +184,10 @@ static void test_ends(void **state) {
   ground flat = make(0.0, false), rough = make(1.0, false);
   const pl_vec3 up = {0.6, 0.0, 0.8};
   for (int level = 0; level < PL_CUBE_LEVELS; level++) {
-    const pl_sub_cell none = pl_terrain_sub_cell(flat.terrain, up, level, 1e-3);
+    const pl_sub_cell none = pl_terrain_sub_cell(flat.terrain, up, level, 1e-3, true);
     assert_true(none.variance == 0.0 && none.whole == 0.0 && pl_vec3_norm(none.slope) == 0.0);
     for (int n = -8; n <= 8; n += 4) {
-      const pl_sub_cell some = pl_terrain_sub_cell(rough.terrain, up, level, pow(10.0, n));
+      const pl_sub_cell some = pl_terrain_sub_cell(rough.terrain, up, level, pow(10.0, n), true);
       assert_true(some.variance >= -1e-9 && isfinite(some.whole) && pl_vec3_finite(some.slope));
     }
   }

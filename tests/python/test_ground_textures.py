@@ -268,6 +268,22 @@ def test_clods_are_relief_of_the_ground() -> None:
     assert heights.max() < 0.03
 
 
+def test_slopes_of_textures_are_a_row_of_the_plan(tmp_path: Path) -> None:
+    """Without them pixels are alike and as bright; absent where no sample resolves them."""
+    config = scene(tmp_path, 0.25, clods={"density_per_m2": 300.0, "pixels": 128})
+    near = perilune.open(config, overrides={"camera.trajectory.height_m": 5.0})
+    off = near.with_overrides({"render.force_off": ["texture_slopes"]})
+    shown, hidden = (sim[0]["radiance"][..., 1] for sim in (near, off))
+    assert hidden.mean() == pytest.approx(shown.mean(), rel=0.02)
+    assert np.std(np.diff(hidden)) < 0.6 * np.std(np.diff(shown))
+    far = near.with_overrides({"camera.trajectory.height_m": 3e6})
+    rows = [{row["name"]: row for row in sim.plan(0)}["texture_slopes"] for sim in (near, far)]
+    assert rows[0]["on"]
+    assert rows[0]["bound_dn"] >= 255.0
+    assert not rows[1]["on"]
+    assert "resolve" in rows[1]["reason"]
+
+
 @pytest.mark.parametrize(
     ("texture", "message"),
     [
