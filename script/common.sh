@@ -13,6 +13,10 @@ export CMAKE_BUILD_PARALLEL_LEVEL=$JOBS
 # compiler tells ccache what a file includes: asking the preprocessor first costs a fifth of a
 # compilation.
 export PERILUNE_WERROR=${PERILUNE_WERROR:-ON} CCACHE_BASEDIR=$ROOT CCACHE_NOHASHDIR=1 CCACHE_DEPEND=1
+# Tests start Python some hundred times: each module is compiled once, whatever the caller has set, and
+# beside the other builds rather than among the sources that stages copy meanwhile.
+unset PYTHONDONTWRITEBYTECODE
+export PYTHONPYCACHEPREFIX=$LOGS/pycache
 STARTED=$SECONDS
 mkdir -p "$LOGS"
 
