@@ -23,8 +23,8 @@ WING = oracle.Shape(
 def test_caustics(tmp_path: Path) -> None:
     bounces = 2
     shapes = [oracle.GROUND, oracle.BOX, oracle.BALL, WING]
-    a = oracle.ours(shapes, oracle.SOLAR, bounces, tmp_path, samples=oracle.OUR_SAMPLES // 2)
-    b = oracle.theirs(shapes, oracle.SOLAR, bounces, tmp_path, samples=oracle.THEIR_SAMPLES // 2)
+    a = oracle.ours(shapes, oracle.SOLAR, bounces, tmp_path, samples=oracle.OUR_SAMPLES)
+    b = oracle.theirs(shapes, oracle.SOLAR, bounces, tmp_path, samples=oracle.THEIR_SAMPLES)
     without = oracle.ours(shapes[:-1], oracle.SOLAR, bounces, tmp_path, samples=64)
     p = oracle.worst_p_value(a, b)
     ratio = a.mean() / b.mean()

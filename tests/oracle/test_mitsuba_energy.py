@@ -19,7 +19,7 @@ from tests.oracle.test_mitsuba import Shape, ball, rectangle
 
 GROUND = Shape(rectangle((0, 0, -0.02), (30, 0, 0), (0, 30, 0)), (0.3, 0.3, 0.3))
 PART, DIM = 5e-3, 0.02  # DIM: W m-2 sr-1, the lamp has 900
-OUR_SAMPLES, THEIR_SAMPLES = 128, 64
+OUR_SAMPLES, THEIR_SAMPLES = 64, 128
 
 
 def metal(corners: np.ndarray, roughness: float) -> Shape:

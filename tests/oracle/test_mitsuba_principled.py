@@ -161,8 +161,8 @@ def their_entering(index: float) -> float:
 def test_same_ball(name: str, tmp_path: Path):
     case = CASES[name]
     shapes = [ball(case)]
-    a = base.ours(shapes, base.SOLAR, 1, tmp_path, SUN, samples=64)
-    b = case.given_back * base.theirs(shapes, base.SOLAR, 1, tmp_path, SUN, samples=32)
+    a = base.ours(shapes, base.SOLAR, 1, tmp_path, SUN, samples=16)
+    b = case.given_back * base.theirs(shapes, base.SOLAR, 1, tmp_path, SUN, samples=48)
     if case.index is not None:
         b *= their_entering(case.index) / entering(case.index)
     seen, lit, half = geometry()
