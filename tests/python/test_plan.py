@@ -177,3 +177,17 @@ def test_measuring_under_all_settings(render: dict[str, Any]) -> None:
     rows = perilune.open(SCENE, overrides=changes).plan(1, measure=True, threads=1)
     assert all(("measured_ms" in row) is applies(row) for row in rows)
     assert all(math.isfinite(row["measured_dn"]) for row in rows if applies(row))
+
+
+def test_what_effects_change_is_below_their_bounds() -> None:
+    """Drawn frames and tolerances; benchmarks/bounds.py has all configurations and many scenes, and
+    the tests of rows in C every pixel."""
+    rng = np.random.default_rng(2)
+    few = {"camera.width": 12, "camera.height": 9, "render.samples": 2}
+    drawn = {"render.tolerance_dn": float(10.0 ** rng.uniform(-1.0, 1.5))}
+    sim = perilune.open(SCENE, overrides=few | drawn)
+    rows = sim.plan(int(rng.integers(20)), measure=True, threads=1)
+    compared = [row for row in rows if "measured_dn" in row and row["name"] != "antialiasing"]
+    assert len(compared) > 5
+    for row in compared:
+        assert row["measured_dn"] <= row["bound_dn"] + 1e-9, row
