@@ -110,7 +110,7 @@ def test_calibrating(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setattr(calibration, "SCENES", ("rendezvous", "no_such_scene"))
     monkeypatch.setattr(calibration, "WIDTH", 24)
     seen: list[tuple[int, int]] = []
-    found = calibration.calibrate(lambda done, of: seen.append((done, of)))
+    found = calibration.calibrate(perilune.open, lambda done, of: seen.append((done, of)))
     assert seen == [(1, 2), (2, 2)]
     assert len(found["pictures"]) == len(calibration.SETTINGS)
     calibration.save(found)

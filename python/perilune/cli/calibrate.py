@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+import perilune
 from perilune.cli.command import OK, Command
 from perilune.cli.progress import Bar
 from perilune.cli.text_table import text_table
@@ -64,7 +65,7 @@ def _run(args: Namespace) -> int:
         print(f"{file}: removed")
         return OK
     with Bar("configuration") as bar:
-        found = calibration.calibrate(bar)
+        found = calibration.calibrate(perilune.open, bar)
     calibration.save(found)
     _show(found, args.json)
     if not args.json:

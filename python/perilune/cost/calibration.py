@@ -181,21 +181,21 @@ def timed(sim: Simulation, name: str, index: int = 0) -> Timed:
     return Timed(name, counts, min(took[1:]))
 
 
-def _pictures(progress: Callable[[int, int], object] | None) -> list[Timed]:
-    from perilune import open as open_simulation
-
+def _pictures(
+    opened: Callable[..., Simulation], progress: Callable[[int, int], object] | None
+) -> list[Timed]:
     names = [f"configs/{name}.yaml" for name in SCENES]
     found: list[Timed] = []
     for done, name in enumerate(names, 1):
         for setting in SETTINGS:
             word = {"render.quality": "adaptive"} if setting else {}
             try:
-                size = open_simulation(name).config.camera
+                size = opened(name).config.camera
                 changes = {
                     "camera.width": min(WIDTH, size.width),
                     "camera.height": max(1, round(min(1.0, WIDTH / size.width) * size.height)),
                 }
-                sim = open_simulation(name, overrides={**changes, **word, **setting})
+                sim = opened(name, overrides={**changes, **word, **setting})
                 found.append(timed(sim, name))
             except (ConfigError, OSError):
                 break  # its maps are not here, or it cannot be made smaller
@@ -204,13 +204,15 @@ def _pictures(progress: Callable[[int, int], object] | None) -> list[Timed]:
     return found
 
 
-def calibrate(progress: Callable[[int, int], object] | None = None) -> dict[str, Any]:
+def calibrate(
+    opened: Callable[..., Simulation], progress: Callable[[int, int], object] | None = None
+) -> dict[str, Any]:
     """Times the configurations that come with Perilune, small, at several settings, and fits the
-    costs of units of work to them; returns what is to be kept."""
+    costs of units of work to them; returns what is to be kept. opened: perilune.open."""
     begin = time.perf_counter()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)
-        pictures = _pictures(progress)
+        pictures = _pictures(opened, progress)
     ns, ratios = fit(pictures, of_table().ns)
     return {
         "ns": ns,
