@@ -10,6 +10,7 @@ import re
 import resource
 import shutil
 import signal
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -179,6 +180,7 @@ def test_a_full_disk_is_one_error_and_the_run_goes_on(canned, truths, tmp_path, 
     if child == 0:
         try:
             signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+            sys.dont_write_bytecode = True  # modules would be cut short, too
             resource.setrlimit(resource.RLIMIT_FSIZE, (largest - 1, largest - 1))
             put(sim, name, out)
         except OSError as error:
