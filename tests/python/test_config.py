@@ -502,6 +502,7 @@ def test_every_physical_key_has_its_unit():
         "mie_g", "ground_albedo",  # of atmospheres
         "optical_depth", "phase_exponent", "dust_share", "dust_g",  # of rings
         "g", "emission_w_m3_sr", "volume_steps",  # of volumes
+        "target_confidence",  # a probability
         "coverage", "octaves", "roughness", "softness", "warp", "phase", "opacity",  # of clouds
         "color",
         "normal_strength", "radiance_w_m2_sr", "black", "wind_m_s",  # of the ground
