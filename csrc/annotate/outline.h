@@ -50,17 +50,6 @@ static inline const pl_outline *pl_outline_pieces(const pl_outline *outline, siz
 pl_status pl_outline_build(const pl_snapshot *shot, pl_cluster_cache *cache, pl_arena *arena,
                            pl_outline *outlines);
 
-/* Bounds the triangles of each part of an object, mesh units; of an articulated object those in
- * each piece, the boxes of the first piece first. A part without triangles has low > high. */
-void pl_outline_bound_parts(const pl_shot_object *object, pl_cluster *boxes);
-
-/* Outline of some parts of an object (see pl_solo_set_parts), from the outline of the whole; never
- * whole. `boxes`: room for one per piece of the object, or for one; `pieces` likewise. `bounds`: of
- * pl_outline_bound_parts. */
-pl_outline pl_outline_of_parts(const pl_snapshot *shot, size_t index, const pl_outline *all,
-                               const pl_cluster *bounds, const uint8_t *parts, pl_outline *pieces,
-                               pl_cluster *boxes);
-
 /* Outline of a body without a shape: the rectangle of its bounding box. It has no clusters and is
  * never whole. */
 pl_outline pl_outline_of_body(const pl_snapshot *shot, const pl_shot_body *body);

@@ -10,7 +10,7 @@
 #define PL_ANNOTATE_SILHOUETTE_H
 
 #include "annotate/object_label.h"
-#include "annotate/outline.h"
+#include "annotate/outline_cells.h"
 #include "base/parallel.h"
 #include "trace/solo.h"
 
@@ -34,8 +34,12 @@ typedef struct pl_silhouette {
   int64_t rays;           /* number of rays cast */
 } pl_silhouette;
 
-/* Returns the number of bytes of scratch memory for the cells of a canvas. */
-size_t pl_silhouette_cells(const pl_camera *camera);
+/* The silhouette of nothing. */
+#define PL_SILHOUETTE_NOTHING ((pl_silhouette){INT32_MAX, INT32_MAX, INT32_MIN, INT32_MIN, 0, 0, 0})
+
+/* Adds a pixel of the canvas. */
+void pl_silhouette_add(pl_silhouette *into, int x, int y, bool inside);
+void pl_silhouette_merge(pl_silhouette *into, const pl_silhouette *from);
 
 /* `seen`, `solo` and `cells` may be NULL when all requested outlines are whole and no mask is
  * requested. */
@@ -43,13 +47,19 @@ typedef struct pl_silhouette_job {
   const pl_snapshot *shot;
   const pl_seen *seen;    /* the whole image */
   pl_solo *solo;          /* what it casts at is changed by the search */
-  uint8_t *cells;         /* scratch memory, size from pl_silhouette_cells */
+  uint8_t *cells;         /* scratch memory, size from pl_outline_cells_size */
   pl_silhouette *workers; /* scratch memory, one per thread */
   int threads;
   pl_cancel *cancel; /* may be NULL */
-  /* of an object: whether each of its parts counts; borrowed, NULL: all do */
-  const uint8_t *parts;
 } pl_silhouette_job;
+
+static inline bool pl_silhouette_in_image(const pl_camera *camera, int x, int y) {
+  return x >= 0 && y >= 0 && x < camera->width && y < camera->height;
+}
+/* What a pixel of the image shows. */
+static inline const pl_seen *pl_silhouette_seen(const pl_silhouette_job *job, int x, int y) {
+  return &job->seen[(size_t)y * (size_t)job->shot->rays.camera.width + (size_t)x];
+}
 
 /* Finds the silhouette of the entity in a slot (pl_shot_slot): an object, or a body without a
  * shape, with its ground. `extent` is that of its visible pixels. `mask` is NULL, or a height x
@@ -57,10 +67,6 @@ typedef struct pl_silhouette_job {
  * of threads. */
 pl_status pl_silhouette_find(const pl_silhouette_job *job, size_t slot, const pl_outline *outline,
                              const pl_extent *extent, uint8_t *mask, pl_silhouette *out);
-
-/* Finds the extents of the visible pixels of each part of an object, within those of the object. */
-void pl_silhouette_see_parts(const pl_silhouette_job *job, size_t object, const pl_extent *within,
-                             pl_extent *parts);
 
 /* Sets bbox_obj, px_count_all, px_count_valid and visib_fract of a label whose visible part is
  * filled. Counts saturate at INT32_MAX. */

@@ -3,6 +3,7 @@
 
 #include <string.h>
 
+#include "annotate/part_silhouettes.h"
 #include "base/memory.h"
 
 void pl_label_tools_init(pl_label_tools *tools) {
@@ -165,86 +166,18 @@ static pl_status label_entity(const pl_labels *labels, const pl_silhouette_job *
   return labels->outlines != NULL ? find_silhouette(labels, job, slot, row, &extent) : PL_OK;
 }
 
-/* Scratch memory for labels of groups. */
-typedef struct group_scratch {
-  pl_outline *pieces; /* see pl_outline_of_parts */
-  pl_cluster *boxes;
-  size_t object;      /* the one that was looked at last, of which the parts have */
-  pl_extent *parts;   /* visible pixels of each */
-  pl_cluster *bounds; /* see pl_outline_bound_parts */
-} group_scratch;
-
-static void look_at_object(const pl_labels *labels, const pl_silhouette_job *job, size_t object,
-                           group_scratch *scratch) {
-  const pl_extent within = extent_of(labels, object);
-  if (scratch->object == object)
-    return;
-  scratch->object = object;
-  pl_silhouette_see_parts(job, object, &within, scratch->parts);
-  pl_outline_bound_parts(&labels->shot->objects[object], scratch->bounds);
-}
-
-static pl_status label_group(const pl_labels *labels, const pl_silhouette_job *job,
-                             const pl_part_group *group, group_scratch *scratch,
-                             pl_object_label *label) {
-  const pl_snapshot *shot = labels->shot;
-  pl_extent extent = PL_EXTENT_NONE;
-  look_at_object(labels, job, group->object, scratch);
-  for (size_t i = 0; i < shot->objects[group->object].object->part_count; i++)
-    if (group->parts[i] != 0)
-      pl_extent_merge(&extent, &scratch->parts[i]);
-  const pl_outline outline =
-      pl_outline_of_parts(shot, group->object, &labels->outlines[group->object], scratch->bounds,
-                          group->parts, scratch->pieces, scratch->boxes);
-  pl_silhouette_job own = *job;
-  pl_silhouette silhouette;
-  own.parts = group->parts;
-  pl_object_label_fill(shot, group->object, &extent, label);
-  PL_TRY(pl_silhouette_find(&own, group->object, &outline, &extent, NULL, &silhouette));
-  pl_silhouette_label(&silhouette, label);
-  return PL_OK;
-}
-
-/* A group of the same parts before it, as a part that is a node's only one; NULL: none. Its label
- * is this one's, too. */
-static const pl_object_label *label_of_equal(const pl_labels *labels, size_t index) {
-  const pl_part_group *group = &labels->request->groups[index];
-  const size_t count = labels->shot->objects[group->object].object->part_count;
-  for (size_t i = 0; i < index; i++) {
-    const pl_part_group *other = &labels->request->groups[i];
-    if (other->object == group->object && memcmp(other->parts, group->parts, count) == 0)
-      return &labels->request->group_labels[i];
-  }
-  return NULL;
-}
-
-static size_t larger(size_t a, size_t b) { return a > b ? a : b; }
-
+/* Groups of one object that follow each other are looked at together. */
 static pl_status label_groups(const pl_labels *labels, const pl_silhouette_job *job,
                               pl_arena *arena) {
   const pl_frame_request *request = labels->request;
-  void *pieces, *boxes, *parts, *bounds;
-  size_t most_pieces = 1, most_parts = 1, most_bounds = 1;
-  if (request->group_labels == NULL)
-    return PL_OK;
-  for (size_t i = 0; i < labels->shot->craft_count; i++) {
-    const pl_shot_object *object = &labels->shot->objects[i];
-    most_pieces = larger(most_pieces, object->piece_count);
-    most_parts = larger(most_parts, object->object->part_count);
-    most_bounds = larger(most_bounds, object->object->part_count * larger(object->piece_count, 1));
-  }
-  PL_TRY(take(arena, most_pieces, sizeof(pl_outline), &pieces));
-  PL_TRY(take(arena, most_pieces, sizeof(pl_cluster), &boxes));
-  PL_TRY(take(arena, most_parts, sizeof(pl_extent), &parts));
-  PL_TRY(take(arena, most_bounds, sizeof(pl_cluster), &bounds));
-  group_scratch scratch = {
-      .pieces = pieces, .boxes = boxes, .parts = parts, .bounds = bounds, .object = SIZE_MAX};
-  for (size_t i = 0; i < request->group_count; i++) {
-    const pl_object_label *equal = label_of_equal(labels, i);
-    if (equal != NULL)
-      request->group_labels[i] = *equal;
-    else
-      PL_TRY(label_group(labels, job, &request->groups[i], &scratch, &request->group_labels[i]));
+  const size_t count = request->group_labels != NULL ? request->group_count : 0;
+  for (size_t i = 0, next; i < count; i = next) {
+    const size_t object = request->groups[i].object;
+    const pl_extent extent = extent_of(labels, object);
+    for (next = i + 1; next < count && request->groups[next].object == object;)
+      next++;
+    PL_TRY(pl_part_silhouettes_label(job, &request->groups[i], next - i, &labels->outlines[object],
+                                     &extent, arena, &request->group_labels[i]));
   }
   return PL_OK;
 }
@@ -286,7 +219,7 @@ pl_status pl_labels_finish(const pl_labels *labels, pl_accelerators *kept, pl_la
     return PL_OK;
   PL_TRY(take(arena, (size_t)threads, sizeof(pl_silhouette), &workers));
   if (labels->seen != NULL)
-    PL_TRY(take(arena, pl_silhouette_cells(&labels->shot->rays.camera), 1, &cells));
+    PL_TRY(take(arena, pl_outline_cells_size(&labels->shot->rays.camera), 1, &cells));
   if (labels->seen != NULL && tools->solo == NULL)
     PL_TRY(pl_solo_create(kept, &tools->solo));
   const pl_silhouette_job job = {

@@ -1,6 +1,8 @@
 /* Traces one object or body alone: only its instances are placed. */
 #include "trace/solo.h"
 
+#include <string.h>
+
 #include "base/memory.h"
 #include "geom/ellipsoid.h"
 #include "scene/graph_point.h"
@@ -10,8 +12,7 @@ struct pl_solo {
   pl_accelerators *kept;  /* borrowed */
   pl_instance *instances; /* owned; room for the largest number so far */
   size_t room, count;
-  const pl_shot_object *object; /* the object that is placed; NULL if all of it counts */
-  const uint8_t *parts;         /* of the object that is placed; NULL: all of them */
+  const pl_shot_object *object; /* the object that is placed; NULL if it has no holes by graphs */
   const pl_shot_body *body;     /* NULL for an object */
   double inner_m; /* rays that meet this sphere about the centre of the terrain meet it; 0: none */
 };
@@ -46,16 +47,8 @@ static pl_status make_room(pl_solo *solo, size_t count) {
 pl_status pl_solo_set(pl_solo *solo, const pl_shot_object *object) {
   PL_TRY(make_room(solo, pl_accelerator_count(object)));
   solo->body = NULL;
-  solo->parts = NULL;
   solo->object = pl_object_cuts(object->object) ? object : NULL;
   return pl_accelerator_place(solo->kept, object, solo->instances, &solo->count);
-}
-
-pl_status pl_solo_set_parts(pl_solo *solo, const pl_shot_object *object, const uint8_t *parts) {
-  PL_TRY(pl_solo_set(solo, object));
-  solo->object = object;
-  solo->parts = parts;
-  return PL_OK;
 }
 
 /* Radius of a sphere that lies below all ground. */
@@ -70,7 +63,6 @@ pl_status pl_solo_set_body(pl_solo *solo, const pl_shot_body *body) {
   const bool ground = body->field != NULL;
   PL_TRY(make_room(solo, 1));
   solo->object = NULL;
-  solo->parts = NULL;
   solo->body = body;
   solo->count = ground ? 1 : 0;
   solo->inner_m = ground ? inner_m(body) : 0.0;
@@ -79,28 +71,49 @@ pl_status pl_solo_set_body(pl_solo *solo, const pl_shot_body *body) {
   return PL_OK;
 }
 
-typedef struct hole_query {
+/* What filters of hits need. */
+typedef struct hit_query {
   const pl_shot_object *object;
-  const uint8_t *parts; /* NULL: all count */
   const pl_instance *instance;
   const pl_vec3 *directions; /* indexed by ray id */
-} hole_query;
+  uint64_t *sets;            /* of parts, by ray id; see pl_solo_find_parts */
+  size_t words;              /* of each of them */
+} hit_query;
 
-/* Rejects hits on parts that do not count, and where a graph leaves no surface. */
-static void pass_holes(const struct RTCFilterFunctionNArguments *arguments) {
-  const hole_query *query = ((const pl_embree_query *)(const void *)arguments->context)->user;
+/* Whether a hit is on the surface, and not where a graph leaves none; its triangle is that of the
+ * object. */
+static bool is_there(const struct RTCFilterFunctionNArguments *arguments, unsigned i,
+                     uint32_t *triangle) {
+  const hit_query *query = ((const pl_embree_query *)(const void *)arguments->context)->user;
   const unsigned n = arguments->N;
-  for (unsigned i = 0; i < n; i++) {
+  const pl_vec3 direction = query->directions[pl_embree_ray_id(arguments->ray, n, i)];
+  *triangle = query->instance->first + pl_embree_hit_triangle(arguments->hit, n, i);
+  return !pl_object_cuts(query->object->object) ||
+         pl_shot_is_there(query->object, *triangle, pl_embree_hit_u(arguments->hit, n, i),
+                          pl_embree_hit_v(arguments->hit, n, i), pl_vec3_to_float(direction));
+}
+
+/* Rejects hits where a graph leaves no surface. */
+static void pass_holes(const struct RTCFilterFunctionNArguments *arguments) {
+  uint32_t triangle;
+  for (unsigned i = 0; i < arguments->N; i++)
+    if (arguments->valid[i] != 0 && !is_there(arguments, i, &triangle))
+      arguments->valid[i] = 0;
+}
+
+/* Notes the parts of all hits, and rejects them, so that rays go on to the end. */
+static void note_parts(const struct RTCFilterFunctionNArguments *arguments) {
+  const hit_query *query = ((const pl_embree_query *)(const void *)arguments->context)->user;
+  uint32_t triangle;
+  for (unsigned i = 0; i < arguments->N; i++) {
     if (arguments->valid[i] == 0)
       continue;
-    const uint32_t triangle = query->instance->first + pl_embree_hit_triangle(arguments->hit, n, i);
-    const pl_vec3 direction = query->directions[pl_embree_ray_id(arguments->ray, n, i)];
-    if (query->parts != NULL && query->parts[pl_object_part(query->object->object, triangle)] == 0)
-      arguments->valid[i] = 0;
-    else if (pl_object_cuts(query->object->object) &&
-             !pl_shot_is_there(query->object, triangle, pl_embree_hit_u(arguments->hit, n, i),
-                               pl_embree_hit_v(arguments->hit, n, i), pl_vec3_to_float(direction)))
-      arguments->valid[i] = 0;
+    if (is_there(arguments, i, &triangle)) {
+      const uint32_t part = pl_object_part(query->object->object, triangle);
+      const size_t ray = pl_embree_ray_id(arguments->ray, arguments->N, i);
+      query->sets[ray * query->words + part / 64] |= UINT64_C(1) << part % 64;
+    }
+    arguments->valid[i] = 0;
   }
 }
 
@@ -119,11 +132,8 @@ static void meet(const pl_instance *instance, const int32_t *valid, pl_embree_qu
                                : query->ray.tfar[i] < 0.0f;
 }
 
-static void cast_at(const pl_solo *solo, const pl_instance *instance, const pl_vec3 *directions,
-                    bool *hits, size_t count, pl_packet *packet, const pl_entry *entry) {
-  struct RTCRayHit8 query;
-  struct RTCRay8 *ray = &query.ray;
-  bool met[PL_PACKET];
+static void fill_query(const pl_packet *packet, const pl_instance *instance, const pl_entry *entry,
+                       size_t count, struct RTCRay8 *ray) {
   pl_approach at;
   pl_packet_approach(packet, instance, entry, &at);
   for (size_t i = 0; i < PL_PACKET; i++) {
@@ -139,7 +149,14 @@ static void cast_at(const pl_solo *solo, const pl_instance *instance, const pl_v
     ray->id[i] = (unsigned)(i < count ? i : 0);
     ray->flags[i] = 0;
   }
-  const hole_query holes = {solo->object, solo->parts, instance, directions};
+}
+
+static void cast_at(const pl_solo *solo, const pl_instance *instance, const pl_vec3 *directions,
+                    bool *hits, size_t count, pl_packet *packet, const pl_entry *entry) {
+  struct RTCRayHit8 query;
+  bool met[PL_PACKET];
+  fill_query(packet, instance, entry, count, &query.ray);
+  const hit_query holes = {.object = solo->object, .instance = instance, .directions = directions};
   pl_embree_query way = {.user = &holes, .filter = pass_holes};
   meet(instance, entry->valid, solo->object != NULL ? &way : NULL, &query, met);
   for (size_t i = 0; i < count; i++)
@@ -161,14 +178,18 @@ static bool meets_body(const pl_solo *solo, pl_vec3 direction) {
   return along > 0.0 && square - along * along < solo->inner_m * solo->inner_m;
 }
 
-static void cast_packet(const pl_solo *solo, const pl_vec3 *directions, bool *hits, size_t count) {
+static void fill_packet(const pl_vec3 *directions, size_t count, pl_packet *packet) {
   pl_ray rays[PL_PACKET] = {0};
-  pl_packet packet;
-  for (size_t i = 0; i < count; i++) {
+  for (size_t i = 0; i < count; i++)
     rays[i] = (pl_ray){.direction = directions[i], .t_max = INFINITY};
+  pl_packet_fill(packet, rays, count);
+}
+
+static void cast_packet(const pl_solo *solo, const pl_vec3 *directions, bool *hits, size_t count) {
+  pl_packet packet;
+  fill_packet(directions, count, &packet);
+  for (size_t i = 0; i < count; i++)
     hits[i] = false;
-  }
-  pl_packet_fill(&packet, rays, count);
   for (size_t i = 0; i < count && solo->body != NULL; i++)
     if (meets_body(solo, directions[i])) {
       hits[i] = true;
@@ -185,4 +206,30 @@ static void cast_packet(const pl_solo *solo, const pl_vec3 *directions, bool *hi
 void pl_solo_cast(const pl_solo *solo, const pl_vec3 *directions, bool *hits, size_t count) {
   for (size_t i = 0; i < count; i += PL_PACKET)
     cast_packet(solo, directions + i, hits + i, count - i < PL_PACKET ? count - i : PL_PACKET);
+}
+
+static void find_in_packet(const pl_solo *solo, const pl_shot_object *object,
+                           const pl_vec3 *directions, size_t count, uint64_t *sets, size_t words) {
+  pl_packet packet;
+  fill_packet(directions, count, &packet);
+  for (size_t k = 0; k < solo->count; k++) {
+    const pl_instance *instance = &solo->instances[k];
+    struct RTCRayHit8 query;
+    bool met[PL_PACKET];
+    pl_entry entry;
+    if (!pl_packet_enter(&packet, instance->center, instance->radius_m, &entry))
+      continue;
+    fill_query(&packet, instance, &entry, count, &query.ray);
+    const hit_query all = {object, instance, directions, sets, words};
+    pl_embree_query way = {.user = &all, .filter = note_parts};
+    meet(instance, entry.valid, &way, &query, met);
+  }
+}
+
+void pl_solo_find_parts(const pl_solo *solo, const pl_shot_object *object,
+                        const pl_vec3 *directions, size_t count, uint64_t *sets, size_t words) {
+  memset(sets, 0, count * words * sizeof *sets);
+  for (size_t i = 0; i < count; i += PL_PACKET)
+    find_in_packet(solo, object, directions + i, count - i < PL_PACKET ? count - i : PL_PACKET,
+                   sets + i * words, words);
 }

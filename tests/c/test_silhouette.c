@@ -337,7 +337,7 @@ static void bench_init(bench *b, const stage *s) {
     }
   pl_cluster_cache_init(&b->clusters);
   assert_int_equal(pl_outline_build(&b->shot, &b->clusters, &b->arena, b->outlines), PL_OK);
-  uint8_t *cells = pl_arena_alloc(&b->arena, pl_silhouette_cells(&b->shot.rays.camera), 1);
+  uint8_t *cells = pl_arena_alloc(&b->arena, pl_outline_cells_size(&b->shot.rays.camera), 1);
   assert_non_null(cells);
   b->job = (pl_silhouette_job){.shot = &b->shot,
                                .seen = b->seen,
