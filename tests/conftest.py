@@ -53,6 +53,8 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 
 def pytest_runtest_setup(item: pytest.Item) -> None:
+    if item.get_closest_marker("soak") is not None and not os.environ.get("PERILUNE_SOAK"):
+        pytest.skip(f"{item.name} is long: script/soak runs it")
     if item.get_closest_marker("needs_data") is None or data_folder() is not None:
         return
     # With its name, so that the report lists every test that was skipped, not how many.

@@ -267,7 +267,7 @@ def test_output_that_is_not_writable(tree, base, tmp_path):
         assert not files(locked)
 
 
-@pytest.mark.parametrize("limit", [200, 3000, 20000, 200000])
+@pytest.mark.parametrize("limit", [200, 3000, pytest.param(20000, marks=pytest.mark.soak), 200000])
 def test_full_disk(tree, base, tmp_path, limit):
     """A limit on the size of files stands for it: writes fail in a model, an image or a table. What
     is there is whole, and the same command finishes the set when there is room again."""
@@ -299,7 +299,7 @@ def same_files(a, b):
     return True
 
 
-@pytest.mark.parametrize("delay_s", [0.0, 0.2, 0.5])
+@pytest.mark.parametrize("delay_s", [0.0, pytest.param(0.2, marks=pytest.mark.soak), 0.5])
 def test_ctrl_c(tree, base, tmp_path, delay_s):
     """At any time: code 130, one message, whole files; the same command goes on."""
     scene, out = write_scene(tree, base, tmp_path), tmp_path / "set"

@@ -264,7 +264,9 @@ def test_written_in_shards(config, written, tmp_path):
     assert file_hashes(out) == written
 
 
-@pytest.mark.parametrize("stop", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
+@pytest.mark.parametrize(
+    "stop", [signal.SIGINT, pytest.param(signal.SIGTERM, marks=pytest.mark.soak), signal.SIGKILL]
+)
 def test_written_after_an_end_in_the_middle(config, written, tmp_path, stop):
     out = tmp_path / "set"
     process = subprocess.Popen(

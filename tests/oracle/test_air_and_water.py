@@ -38,6 +38,7 @@ def test_gas_scatters_once_as_mitsubas(tmp_path: Path):
     assert (compare.differing(1.2 * a, b, FALSE_ALARM) & dense).any()
 
 
+@pytest.mark.soak
 def test_all_orders_are_close_to_mitsubas(tmp_path: Path):
     """Beyond the first, light counts as even to all sides: docs/air.md."""
     a, b = both("air", 48, (16, 16), 4, tmp_path)

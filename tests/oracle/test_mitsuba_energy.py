@@ -77,7 +77,10 @@ CASES = {
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize(
+    "case",
+    [pytest.param(case, marks=[pytest.mark.soak] if "box" in case else []) for case in CASES],
+)
 def test_energy(case: str, tmp_path: Path):
     a = base.ours(*CASES[case], tmp_path, samples=OUR_SAMPLES)
     b = base.theirs(*CASES[case], tmp_path, samples=THEIR_SAMPLES)

@@ -13,6 +13,7 @@ pytestmark = pytest.mark.needs_data
 WIDTH = 64
 
 
+@pytest.mark.soak
 def test_finer_cells_converge_to_the_same_picture(tmp_path):
     """Under a Sun of 12 degrees, with shadows in craters; the square has none of those that ground
     outside of it throws under a lower one."""

@@ -69,7 +69,9 @@ def oblate(latitudes: str) -> dict:
     return config
 
 
-@pytest.mark.parametrize("latitudes", ["geocentric", "geodetic"])
+@pytest.mark.parametrize(
+    "latitudes", [pytest.param("geocentric", marks=pytest.mark.soak), "geodetic"]
+)
 def test_maps_lie_as_their_latitudes_say(latitudes: str, tmp_path: Path):
     frame = scenes.Frame(oblate(latitudes))
     a, b, white = both(frame.open(WIDTH, tmp_path), (64, 64), tmp_path)

@@ -18,6 +18,8 @@ import convergence  # noqa: E402
 CONFIGS = convergence.shipped()
 TOLERANCE_DN = 1.0
 SAMPLES = (4, 16, 64)
+LONG = {"apollo15", "articulated", "comet", "lunar_rover", "mars_descent", "mli_randomised"}
+"""Left to script/soak: a third of the time of all configurations."""
 
 
 def params() -> list:
@@ -25,6 +27,7 @@ def params() -> list:
     out = []
     for name, path in CONFIGS.items():
         marks = [pytest.mark.needs_data] if convergence.needs_data(path) else []
+        marks += [pytest.mark.soak] if name in LONG else []
         out.append(pytest.param(name, marks=marks))
     return out
 

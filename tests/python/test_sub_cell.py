@@ -92,6 +92,7 @@ def test_brightness_does_not_depend_on_cells(model: str, sun_deg: float, limit: 
         assert abs(mean(0.25, normals=False) / fine - 1.0) > 0.024
 
 
+@pytest.mark.soak
 def test_no_more_shimmer_than_with_fine_cells() -> None:
     """Of two frames a third of a pixel apart, with coarse cells and with four a pixel."""
     step_deg = float(np.degrees(0.3 * 0.0147 / (1737.4e3 * np.cos(np.radians(SITE["lat_deg"])))))
