@@ -1,5 +1,5 @@
-/* Counts of what a frame does, in units whose number does not depend on threads or the machine: the
- * input of the model of costs (plan/cost.h). */
+/* Counts of what a frame does, in units whose number depends neither on threads nor on the machine,
+ * nor on what is kept from frames before it: the input of the model of costs (plan/cost.h). */
 #ifndef PL_BASE_WORK_H
 #define PL_BASE_WORK_H
 
@@ -34,8 +34,7 @@
   X(texture_patches, "a patch of a ground texture at a point") \
   X(label_values, "a label channel in a pixel") \
   X(object_pixels, "a pixel of a frame with labels of objects") \
-  X(sensor_values, "a stage of the sensor in a pixel") \
-  X(posts, "a post of a tile of ground that is made")
+  X(sensor_values, "a stage of the sensor in a pixel")
 /* clang-format on */
 
 typedef enum pl_work {

@@ -30,7 +30,6 @@ static const double ns[PL_WORK_COUNT] = {
     [PL_WORK_label_values] = 5.2,
     [PL_WORK_object_pixels] = 35,
     [PL_WORK_sensor_values] = 35,
-    [PL_WORK_posts] = 870,
 };
 
 double pl_cost_ns(pl_work what) { return ns[what]; }

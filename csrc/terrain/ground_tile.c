@@ -1,7 +1,6 @@
 /* Makes tiles: heights of lattice nodes, stitched to coarser neighbours, as posts and slopes. */
 #include "terrain/ground_tile.h"
 
-#include "base/work.h"
 #include "terrain/cube.h"
 
 enum {
@@ -48,7 +47,6 @@ static pl_status fill(const pl_terrain *terrain, int face, int level, int64_t i0
   const pl_terrain_nodes block = {
       .face = face, .level = level, .i0 = i0, .j0 = j0, .width = out->width, .height = out->height};
   PL_TRY(pl_terrain_block(terrain, &block, out->heights, out->directions));
-  pl_work_add(PL_WORK_posts, (size_t)out->width * (size_t)out->height);
   for (int k = 0; k < out->width * out->height; k++) {
     const pl_vec3 d = out->directions[k];
     out->radii[k] = pl_terrain_datum_m(terrain, d) + out->heights[k];

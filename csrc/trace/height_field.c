@@ -1,4 +1,5 @@
 /* Makes the tiles of a frame and the scene of their instances. */
+#include "base/work.h"
 #include "trace/ground_tile_cache.h"
 #include "trace/rock_instances.h"
 
@@ -223,6 +224,19 @@ static pl_status number_rocks(pl_arena *arena, pl_height_field *field) {
   return PL_OK;
 }
 
+/* Makes the tiles that are not kept, and the rays that kept ones lack. What is made once is no work
+ * of a frame: counts do not depend on the frames before it. */
+static pl_status make_all(build *build, const pl_ground_tile_view *view,
+                          const pl_ground_tile_choice *chosen, int threads, pl_cancel *cancel) {
+  const pl_work_counts before = pl_work_done;
+  build->ids = chosen->ids;
+  PL_TRY(make_missing(build, chosen->ids, chosen->count, threads, cancel));
+  if (view->rays && pl_terrain_ray_brightness(build->terrain) > 0.0)
+    PL_TRY(make_missing_rays(build, chosen->count, threads, cancel));
+  pl_work_done = before;
+  return PL_OK;
+}
+
 pl_status pl_height_field_build(pl_accelerators *kept, const pl_terrain *terrain,
                                 const pl_ground_tile_view *view, int threads, pl_cancel *cancel,
                                 pl_arena *arena, const pl_height_field **out) {
@@ -238,10 +252,7 @@ pl_status pl_height_field_build(pl_accelerators *kept, const pl_terrain *terrain
                              .widened = chosen.widened,
                              .patch_missed = chosen.patch_missed};
   PL_TRY(check_rocks(terrain, chosen.ids, field->count));
-  PL_TRY(make_missing(&build, chosen.ids, field->count, threads, cancel));
-  build.ids = chosen.ids;
-  if (view->rays && pl_terrain_ray_brightness(terrain) > 0.0)
-    PL_TRY(make_missing_rays(&build, field->count, threads, cancel));
+  PL_TRY(make_all(&build, view, &chosen, threads, cancel));
   const pl_ground_tile **tiles = pl_arena_alloc(arena, field->count, sizeof *tiles);
   if (tiles == NULL)
     return pl_fail(PL_E_MEMORY, "out of memory for the ground");

@@ -148,8 +148,6 @@ def fit(pictures: Sequence[Timed], prior: Mapping[str, float]) -> tuple[dict[str
     counts = np.array([[p.counts.get(name, 0) for name in names] for p in pictures], dtype=float)
     a = 1e-6 * counts / np.array([p.ms for p in pictures])[:, None]
     guess = np.array([prior[name] for name in names])
-    # Ground tiles are kept, so that no picture has the time of their making.
-    a[:, names.index("posts")] = 0.0
     guess = guess / np.median(a @ guess)
     weights, found = np.ones(len(pictures)), guess
     for _ in range(_ROUNDS):
@@ -227,8 +225,13 @@ def calibrate(
 
 
 def save(found: Mapping[str, Any], file: Path | None = None) -> Path:
-    """Writes what `calibrate` found."""
+    """Writes what `calibrate` found: all of it, or nothing."""
     file = file or path()
     file.parent.mkdir(parents=True, exist_ok=True)
-    file.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
+    temporary = file.with_name(f"{file.name}.{os.getpid()}")
+    try:
+        temporary.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
+        temporary.replace(file)
+    finally:
+        temporary.unlink(missing_ok=True)
     return file

@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from perilune.simulation import Simulation
     from perilune.world import World
 
-_KEPT: Final = "posts"
-"""Ground tiles are kept from frame to frame: their making is no part of a frame's cost."""
 _LARGE: Final = 8
 """Parts of an expectation that are told."""
 
@@ -41,11 +39,7 @@ class Expected:
     @property
     def parts(self) -> dict[str, float]:
         """Milliseconds by unit of work, the largest first."""
-        found = {
-            name: 1e-6 * self.costs.ns[name] * count
-            for name, count in self.counts.items()
-            if name != _KEPT
-        }
+        found = {name: 1e-6 * self.costs.ns[name] * n for name, n in self.counts.items()}
         return dict(sorted(found.items(), key=lambda part: -part[1]))
 
     @property
