@@ -36,9 +36,9 @@ typedef struct pl_sensor_stage {
 extern const pl_sensor_stage pl_sensor_stages[];
 extern const size_t pl_sensor_stage_count;
 
-/* Runs the stages that the plan keeps. `electrons` and `raw` must have room for the image. */
 /* Number of stages that run by a plan, in the images of all planes. */
 size_t pl_sensor_stages_of(const pl_sensor *sensor, const pl_plan *plan);
+/* Runs the stages that the plan keeps. `electrons` and `raw` must have room for the image. */
 pl_status pl_sensor_run(pl_sensor_frame *frame, const pl_plan *plan);
 
 /* --- for stages */

@@ -50,10 +50,15 @@ void pl_cube_locate(pl_vec3 direction, int *face, double *s, double *t) {
   *t = angle_of(axes->sign[2] * v[axes->axis[2]], fabs(v[main]));
 }
 
+double pl_cube_outward(int face, pl_vec3 direction) {
+  const double v[3] = {direction.x, direction.y, direction.z};
+  return FACES[face].sign[0] * v[FACES[face].axis[0]];
+}
+
 bool pl_cube_beside(int face, pl_vec3 direction, double *s, double *t) {
   const double v[3] = {direction.x, direction.y, direction.z};
   const face_axes *axes = &FACES[face];
-  const double outward = axes->sign[0] * v[axes->axis[0]];
+  const double outward = pl_cube_outward(face, direction);
   if (!(outward > 0.5))
     return false;
   *s = atan(axes->sign[1] * v[axes->axis[1]] / outward) * (4.0 / PL_PI);

@@ -28,6 +28,9 @@ void pl_cube_locate(pl_vec3 direction, int *face, double *s, double *t);
  * the direction is more than about 60 degrees from the middle of the face. */
 bool pl_cube_beside(int face, pl_vec3 direction, double *s, double *t);
 
+/* Returns the part of a direction along the outward axis of a face. */
+double pl_cube_outward(int face, pl_vec3 direction);
+
 /* Writes the gradients of both coordinates of a face by the unit direction, along the sphere. */
 void pl_cube_gradients(int face, pl_vec3 direction, pl_vec3 *s, pl_vec3 *t);
 

@@ -178,15 +178,14 @@ static int add_face(const pl_ground_texture *texture, double radius_m, const bes
 static int weigh_patches(const pl_ground_texture *texture, double radius_m, pl_vec3 to,
                          patch out[PATCHES]) {
   const double seam = SEAM * edge_m(texture) / (0.25 * PL_PI * radius_m);
-  const double v[3] = {to.x, to.y, to.z};
   const double most = fmax(fabs(to.x), fmax(fabs(to.y), fabs(to.z)));
   double squares = 0.0;
   pl_vec3 change = {0.0, 0.0, 0.0};
   int count = 0;
   for (int face = 0; face < PL_CUBE_FACES; face++) {
     beside at;
-    if ((face % 2 == 0 ? v[face / 2] : -v[face / 2]) >= LEAST_OUTWARD * most &&
-        count + 3 <= PATCHES && find_share(face, to, seam, &at))
+    if (pl_cube_outward(face, to) >= LEAST_OUTWARD * most && count + 3 <= PATCHES &&
+        find_share(face, to, seam, &at))
       count += add_face(texture, radius_m, &at, &out[count]);
   }
   for (int k = 0; k < count; k++) {
@@ -211,41 +210,49 @@ static int find_patches(const pl_ground_texture *texture, double radius_m, pl_ve
   return count;
 }
 
-/* Value of an image, between the two levels whose cells are about as wide as the footprint. */
+/* A place in an image: between the two levels whose cells are about as wide as the footprint. */
+typedef struct image_place {
+  int level;
+  double beyond; /* part of the next level */
+  double u, v;   /* column and row */
+} image_place;
+
+static image_place place_in(const pl_raster *raster, double size_m, double x, double y,
+                            double footprint_m) {
+  const pl_raster_frame *frame = pl_raster_frame_of(raster);
+  const double texels = footprint_m * (double)frame->width / size_m;
+  const double at = texels > 1.0 ? fmin(log2(texels), pl_raster_levels(raster) - 1.0) : 0.0;
+  return (image_place){.level = (int)at,
+                       .beyond = at - (int)at,
+                       .u = x * (double)frame->width - 0.5,
+                       .v = y * (double)frame->height - 0.5};
+}
+
+/* Value of an image. */
 static double value_at(const pl_raster *raster, double size_m, double x, double y,
                        double footprint_m) {
-  const pl_raster_frame *frame = pl_raster_frame_of(raster);
-  const double columns = (double)frame->width, rows = (double)frame->height;
-  const double texels = footprint_m * columns / size_m;
-  const double at = texels > 1.0 ? fmin(log2(texels), pl_raster_levels(raster) - 1.0) : 0.0;
-  const int level = (int)at;
-  const double u = x * columns - 0.5, v = y * rows - 0.5;
-  const double fine = pl_raster_value(raster, level, u, v, PL_INTERPOLATION_CUBIC);
-  if (at - level <= 0.0)
+  const image_place at = place_in(raster, size_m, x, y, footprint_m);
+  const double fine = pl_raster_value(raster, at.level, at.u, at.v, PL_INTERPOLATION_CUBIC);
+  if (!(at.beyond > 0.0))
     return fine;
-  return fine +
-         (at - level) * (pl_raster_value(raster, level + 1, u, v, PL_INTERPOLATION_CUBIC) - fine);
+  const double wide = pl_raster_value(raster, at.level + 1, at.u, at.v, PL_INTERPOLATION_CUBIC);
+  return fine + at.beyond * (wide - fine);
 }
 
 /* The same, with its slopes over the width and the height of the image. */
 static double slopes_at(const pl_raster *raster, double size_m, double x, double y,
                         double footprint_m, double slope[2]) {
-  const pl_raster_frame *frame = pl_raster_frame_of(raster);
-  const double columns = (double)frame->width, rows = (double)frame->height;
-  const double texels = footprint_m * columns / size_m;
-  const double at = texels > 1.0 ? fmin(log2(texels), pl_raster_levels(raster) - 1.0) : 0.0;
-  const int level = (int)at;
-  const double u = x * columns - 0.5, v = y * rows - 0.5;
-  double value = pl_raster_value_slope(raster, level, u, v, slope);
-  if (at - level > 0.0) {
+  const image_place at = place_in(raster, size_m, x, y, footprint_m);
+  double value = pl_raster_value_slope(raster, at.level, at.u, at.v, slope);
+  if (at.beyond > 0.0) {
     double wide[2];
-    const double other = pl_raster_value_slope(raster, level + 1, u, v, wide);
-    value += (at - level) * (other - value);
-    slope[0] += (at - level) * (wide[0] - slope[0]);
-    slope[1] += (at - level) * (wide[1] - slope[1]);
+    const double other = pl_raster_value_slope(raster, at.level + 1, at.u, at.v, wide);
+    value += at.beyond * (other - value);
+    for (int k = 0; k < 2; k++)
+      slope[k] += at.beyond * (wide[k] - slope[k]);
   }
-  slope[0] *= columns;
-  slope[1] *= rows;
+  slope[0] *= (double)pl_raster_frame_of(raster)->width;
+  slope[1] *= (double)pl_raster_frame_of(raster)->height;
   return value;
 }
 

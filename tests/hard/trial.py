@@ -186,7 +186,7 @@ def _failures_of_python(file: str, tests: Sequence[str]) -> set[str]:
     nodes = [f"tests/{test}" for test in tests]
     limit_s = _limits_s.get(file, LONGEST_S)
     command = [sys.executable, "-m", "pytest", *options, *nodes]
-    status, said = _run(command, limit_s, PYTHONPATH=str(TREE / "python"))
+    status, said = _run(command, limit_s, PYTHONPATH=str(TREE / "python"), PERILUNE_SOAK="1")
     seen = _PY_LINE.findall(said)
     if not seen or status not in (0, 1, None, -11, -6, -8, 139, 134):
         raise TrialError(said[-3000:])
