@@ -20,6 +20,7 @@ from perilune.cost.pictures import srgb
 from perilune.frame.request import arrays_of, sigmas
 
 SCENE = Path(__file__).parent / "scene.yaml"
+SCENES = calibration.SCENES
 SMALL = {"camera.width": 96, "camera.height": 72, "render.channels": ["rgb"]}
 TINY = SMALL | {"camera.width": 32, "camera.height": 24}
 
@@ -112,9 +113,21 @@ def test_calibrating(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     found = calibration.calibrate(perilune.open, lambda done, of: seen.append((done, of)))
     assert seen == [(1, 2), (2, 2)]
     assert len(found["pictures"]) == len(calibration.SETTINGS)
+    assert list(found["left_out"]) == ["configs/no_such_scene.yaml"]
+    assert "no_such_scene" in found["left_out"]["configs/no_such_scene.yaml"]
     calibration.save(found)
     assert calibration.current().ns == found["ns"]
     assert min(found["ns"].values()) > 0.0
+
+
+def test_calibrating_nothing_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(calibration, "SCENES", ("no_such_scene",))
+    with pytest.raises(calibration.CostsError, match="no_such_scene"):
+        calibration.calibrate(perilune.open)
+
+
+def test_scenes_that_are_timed_ship(repo_dir: Path) -> None:
+    assert [name for name in SCENES if not (repo_dir / f"configs/{name}.yaml").is_file()] == []
 
 
 def test_a_budget_is_met_by_the_least_tolerance() -> None:

@@ -51,7 +51,6 @@ def test_disc_of_confusion(repo_dir, depth_m, focus):
         assert image[inside].mean() == pytest.approx(4 * radius_px**2 / confusion_px**2, rel=0.05)
 
 
-@pytest.mark.soak
 def test_is_the_mean_of_pinholes_over_the_lens(repo_dir):
     """Brute force: pinhole cameras at points of the lens, their images shifted so that the plane of
     focus stays in place, have this mean. Meshes, a body that they shade, all in one picture."""

@@ -48,7 +48,6 @@ def at_instant(sim, t_s, channels, **changes):
     return sim.with_overrides(INSTANT | {"time.step_s": float(t_s)}, **changes).frame(1, channels)
 
 
-@pytest.mark.soak
 def test_blur_is_the_mean_of_256_instants(repo_dir):
     """A spinning satellite with its shadows and glints, a body behind it, the camera moving: what
     differs is what two seeds of the same frame differ by. Glints that last less than an instant are

@@ -43,6 +43,8 @@ def _tell(found: dict[str, Any]) -> None:
         f"{ratios.min():.2f} to {ratios.max():.2f}, within 30 % of "
         f"{np.mean(np.abs(ratios - 1.0) < 0.3):.0%}"
     )
+    for name, why in found.get("left_out", {}).items():
+        print(f"{name} was left out: {why}")
 
 
 def _show(found: dict[str, Any] | None, as_json: bool) -> int:

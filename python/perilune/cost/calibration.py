@@ -43,7 +43,6 @@ SCENES: Final = (
     "lro_moon",
     "mro_mars",
     "rendezvous",
-    "night_side",
     "star_tracker",
     "lunar_lander",
     "lunar_rover",
@@ -67,7 +66,7 @@ _REPEATS: Final = 2
 
 
 class CostsError(ValueError):
-    """A file of costs that cannot be read; names it."""
+    """A file of costs that cannot be read, which it names; or nothing that can be timed."""
 
 
 @dataclass(frozen=True)
@@ -181,9 +180,11 @@ def timed(sim: Simulation, name: str, index: int = 0) -> Timed:
 
 def _pictures(
     opened: Callable[..., Simulation], progress: Callable[[int, int], object] | None
-) -> list[Timed]:
+) -> tuple[list[Timed], dict[str, str]]:
+    """Pictures, and by configuration why it has none: its maps are not here, say."""
     names = [f"configs/{name}.yaml" for name in SCENES]
     found: list[Timed] = []
+    left_out: dict[str, str] = {}
     for done, name in enumerate(names, 1):
         for setting in SETTINGS:
             word = {"render.quality": "adaptive"} if setting else {}
@@ -195,28 +196,33 @@ def _pictures(
                 }
                 sim = opened(name, overrides={**changes, **word, **setting})
                 found.append(timed(sim, name))
-            except (ConfigError, OSError):
-                break  # its maps are not here, or it cannot be made smaller
+            except (ConfigError, OSError) as error:
+                left_out[name] = str(error)
+                break
         if progress is not None:
             progress(done, len(names))
-    return found
+    if not found:
+        raise CostsError(f"nothing can be timed: {'; '.join(left_out.values())}")
+    return found, left_out
 
 
 def calibrate(
     opened: Callable[..., Simulation], progress: Callable[[int, int], object] | None = None
 ) -> dict[str, Any]:
     """Times the configurations that come with Perilune, small, at several settings, and fits the
-    costs of units of work to them; returns what is to be kept. opened: perilune.open."""
+    costs of units of work to them; returns what is to be kept. opened: perilune.open. CostsError if
+    none of them can be opened."""
     begin = time.perf_counter()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)
-        pictures = _pictures(opened, progress)
+        pictures, left_out = _pictures(opened, progress)
     ns, ratios = fit(pictures, of_table().ns)
     return {
         "ns": ns,
         "machine": machine(),
         "made": time.time(),
         "took_s": time.perf_counter() - begin,
+        "left_out": left_out,
         "pictures": [
             {"name": picture.name, "ms": picture.ms, "expected_over_measured": ratio}
             for picture, ratio in zip(pictures, ratios.tolist(), strict=True)
