@@ -90,6 +90,12 @@ def _run(args: Namespace) -> int:
     seconds = time.perf_counter() - start
     rate = f", {report.written / seconds:.2f} images/s" if report.written else ""
     print(f"{report.folder}: {report.written} frames written, {report.kept} kept{rate}")
+    if len(args.frames) == 1 and args.frames.start > 0:
+        only = args.frames.start
+        print(
+            f"note: --frames says frame {only} alone; the first {only} are 0:{only}",
+            file=sys.stderr,
+        )
     return OK
 
 

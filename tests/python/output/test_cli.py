@@ -82,6 +82,15 @@ def test_render_writes_and_continues(small_scene, tmp_path):
     assert "1 frames written, 3 kept" in text
 
 
+def test_a_single_number_of_frames_is_told_to_be_one(small_scene, tmp_path):
+    """Taken for a count by all who tried it first."""
+    code, text, told = render(small_scene, tmp_path / "set", "--frames", "3")
+    assert (code, "1 frames written" in text) == (0, True)
+    assert "frame 3 alone; the first 3 are 0:3" in told
+    told = render(small_scene, tmp_path / "many", "--frames", "0:1")[2]
+    assert "alone" not in told
+
+
 def test_seed_and_set_change_the_frames(small_scene, tmp_path):
     for name, words in (("a", []), ("b", ["--seed", 9]), ("c", ["--set", "camera.fov_deg=50"])):
         assert render(small_scene, tmp_path / name, "--frames", 0, *words)[0] == 0
