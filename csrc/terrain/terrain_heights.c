@@ -84,6 +84,7 @@ static bool see(work *w, layer_strip *at) {
   const pl_raster *raster = layer->given.raster;
   bool used = false;
   for (size_t k = 0; k < w->strip.count; k++) {
+    at->fractal[k] = false;
     at->here[k] = w->bare[k] && pl_raster_find(raster, w->directions[k], &at->u[k], &at->v[k]);
     if (!at->here[k])
       continue;
