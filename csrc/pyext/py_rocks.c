@@ -1,4 +1,5 @@
 /* The type RockField: rocks of a body as a function of place. */
+#include <math.h>
 #include <string.h>
 
 #include "base/memory.h"
@@ -6,6 +7,7 @@
 #include "pyext/py_sizes.h"
 #include "pyext/py_types.h"
 #include "terrain/rock_field.h"
+#include "terrain/rock_surface.h"
 
 typedef struct rocks_object {
   PyObject_HEAD pl_rock_field *field; /* owned */
@@ -218,6 +220,56 @@ PyObject *pl_py_rocks_find(const pl_terrain *terrain, PyObject *object) {
                       : pl_py_raise(status);
   pl_free(rocks);
   Py_DECREF((PyObject *)ids);
+  return out;
+}
+
+/* (rocks, points, first) of surfaces, which it frees. */
+static PyObject *surfaces_out(pl_rock_surfaces *found) {
+  const npy_intp points[2] = {(npy_intp)found->first[found->count], 3};
+  const npy_intp firsts[1] = {(npy_intp)found->count + 1};
+  PyObject *rocks = pl_py_records(pl_py_rock_record(), found->rocks, found->count, sizeof(pl_rock));
+  PyObject *at = PyArray_SimpleNew(2, points, NPY_DOUBLE);
+  PyObject *first = PyArray_SimpleNew(1, firsts, NPY_INT64);
+  PyObject *out = NULL;
+  if (rocks != NULL && at != NULL && first != NULL) {
+    if (points[0] > 0)
+      memcpy(PyArray_DATA((PyArrayObject *)at), found->points, (size_t)points[0] * sizeof(pl_vec3));
+    int64_t *places = PyArray_DATA((PyArrayObject *)first);
+    for (size_t k = 0; k <= found->count; k++)
+      places[k] = (int64_t)found->first[k];
+    out = PyTuple_Pack(3, rocks, at, first);
+  }
+  Py_XDECREF(rocks);
+  Py_XDECREF(at);
+  Py_XDECREF(first);
+  pl_rock_surfaces_clear(found);
+  return out;
+}
+
+PyObject *pl_py_rock_surfaces(const pl_terrain *terrain, PyObject *args) {
+  const npy_intp any[1] = {-1}, three[1] = {3};
+  PyObject *given, *place;
+  double pixel_rad;
+  const pl_rock_field *field = pl_terrain_rocks(terrain);
+  if (!PyArg_ParseTuple(args, "OOd:rock_surfaces", &given, &place, &pixel_rad))
+    return NULL;
+  if (field == NULL)
+    return PyErr_Format(PyExc_ValueError, "the terrain has no rocks");
+  if (!(pixel_rad > 0.0 && isfinite(pixel_rad)))
+    return PyErr_Format(PyExc_ValueError, "pixel_rad: must be finite and above 0");
+  PyArrayObject *eye = pl_py_array(place, "eye", NPY_DOUBLE, 1, three);
+  PyArrayObject *ids = eye != NULL ? pl_py_array(given, "ids", NPY_UINT64, 1, any) : NULL;
+  PyObject *out = NULL;
+  if (ids != NULL) {
+    pl_rock_surfaces found;
+    pl_status status;
+    Py_BEGIN_ALLOW_THREADS status =
+        pl_rock_surfaces_find(field, terrain, PyArray_DATA(ids), (size_t)PyArray_DIM(ids, 0),
+                              *(const pl_vec3 *)PyArray_DATA(eye), pixel_rad, &found);
+    Py_END_ALLOW_THREADS out = status == PL_OK ? surfaces_out(&found) : pl_py_raise(status);
+  }
+  Py_XDECREF((PyObject *)ids);
+  Py_XDECREF((PyObject *)eye);
   return out;
 }
 

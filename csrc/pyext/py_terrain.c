@@ -480,11 +480,17 @@ static PyObject *rocks(PyObject *self, PyObject *ids) {
   return pl_py_rocks_find(((terrain_object *)self)->terrain, ids);
 }
 
+static PyObject *rock_surfaces(PyObject *self, PyObject *args) {
+  return pl_py_rock_surfaces(((terrain_object *)self)->terrain, args);
+}
+
 static PyMethodDef terrain_methods[] = {
     {"craters", (PyCFunction)(void (*)(void))craters, METH_VARARGS | METH_KEYWORDS,
      "craters($self, direction, radius_m, min_diameter_m=0.0, max_diameter_m=1e300)\n--\n\n"
      "Craters of a region that are drawn."},
     {"rocks", rocks, METH_O, "rocks($self, ids, /)\n--\n\nRocks of these ids."},
+    {"rock_surfaces", rock_surfaces, METH_VARARGS,
+     "rock_surfaces($self, ids, eye, pixel_rad, /)\n--\n\nRocks of ids and points of them."},
     {"heights", (PyCFunction)(void (*)(void))heights, METH_VARARGS | METH_KEYWORDS,
      "heights($self, directions, cell_m=0.0)\n--\n\n(n,) heights, m."},
     {"block", (PyCFunction)(void (*)(void))block, METH_VARARGS | METH_KEYWORDS,

@@ -42,6 +42,8 @@ const pl_rock_scan *pl_py_rock_scan_of(PyObject *object);
 const pl_rock_field *pl_py_rocks_of(PyObject *object);
 /* Returns the records of the rocks of ids on a terrain. */
 PyObject *pl_py_rocks_find(const pl_terrain *terrain, PyObject *ids);
+/* Returns these records and points of the rocks over the ground, of (ids, eye, pixel_rad). */
+PyObject *pl_py_rock_surfaces(const pl_terrain *terrain, PyObject *args);
 /* Returns ROCK, the description of RockField.list's records, as documented in the stub. */
 PyObject *pl_py_rock_record(void);
 const pl_raster *pl_py_raster_of(PyObject *object);

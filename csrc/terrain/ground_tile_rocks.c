@@ -13,13 +13,6 @@ typedef struct collection {
   size_t count, capacity;
 } collection;
 
-/* Level with triangles about as wide as cells: 80 triangles from 2 cells on, four times as many for
- * each factor of 2. */
-static int lod_of(double diameter_m, double cell_m) {
-  const int octave = ilogb(diameter_m / cell_m);
-  return octave < 1 ? 1 : octave > PL_ROCK_LODS - 1 ? PL_ROCK_LODS - 1 : octave;
-}
-
 static pl_status collect(void *context, const pl_scatter_site *site) {
   collection *all = context;
   if (all->count == all->capacity) {
@@ -34,7 +27,7 @@ static pl_status collect(void *context, const pl_scatter_site *site) {
   pl_ground_rock *at = &all->rocks[all->count];
   if (!pl_rock_set(all->field, all->terrain, site, &at->rock, &shape))
     return PL_OK;
-  at->lod = lod_of(site->diameter_m, all->cell_m);
+  at->lod = pl_rock_lod(site->diameter_m, all->cell_m);
   at->variant = shape.variant;
   at->mesh = NULL;
   const double scale = pl_rock_field_spheres(all->field)[at->lod].scale;

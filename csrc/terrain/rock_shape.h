@@ -56,6 +56,9 @@ typedef struct pl_rock_sphere {
 } pl_rock_sphere;
 pl_status pl_rock_spheres_create(pl_rock_sphere **out); /* PL_ROCK_LODS of them, one block */
 void pl_rock_spheres_destroy(pl_rock_sphere *spheres);
+/* Level with triangles about as wide as cells: 80 triangles from 2 cells on, four times as many for
+ * each factor of 2. */
+int pl_rock_lod(double diameter_m, double cell_m);
 
 /* A ball with its cuts and noise. */
 typedef struct pl_rock_variant {

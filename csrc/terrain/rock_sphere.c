@@ -111,3 +111,8 @@ pl_status pl_rock_spheres_create(pl_rock_sphere **out) {
 }
 
 void pl_rock_spheres_destroy(pl_rock_sphere *spheres) { pl_free(spheres); }
+
+int pl_rock_lod(double diameter_m, double cell_m) {
+  const int octave = ilogb(diameter_m / cell_m);
+  return octave < 1 ? 1 : octave > PL_ROCK_LODS - 1 ? PL_ROCK_LODS - 1 : octave;
+}

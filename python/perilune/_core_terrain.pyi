@@ -150,6 +150,12 @@ class Terrain:
         """(n,) of CRATER that are drawn, with centres within radius_m of a direction (3,)."""
     def rocks(self, ids: NDArray[np.uint64], /) -> NDArray[np.void]:
         """(n,) of ROCK: the rocks of ids (n,). ValueError for an id of none."""
+    def rock_surfaces(
+        self, ids: NDArray[np.uint64], eye: F64, pixel_rad: float, /
+    ) -> tuple[NDArray[np.void], F64, NDArray[np.int64]]:
+        """(m,) of ROCK, as `rocks`; points (n, 3) of the rocks over the ground, body axes, m, of
+        which their silhouettes are the hulls, as meshes have them that are seen from eye (3,) in
+        pixels of this angle; (m + 1,) where those of each rock begin, and the end."""
     def level(self, cell_m: float, /) -> int:
         """Coarsest level of the lattice with cells of at most cell_m; 0: the finest level."""
     def cell_m(self, level: int, /) -> float:

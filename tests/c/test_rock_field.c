@@ -8,6 +8,7 @@
 #include "base/memory.h"
 #include "random.h"
 #include "terrain/rock_field.h"
+#include "terrain/rock_surface.h"
 
 static const double RADIUS_M = 1737400.0;
 
@@ -267,6 +268,63 @@ static void test_list(void **state) {
   pl_terrain_destroy(terrain);
 }
 
+/* Each point of a surface is on the ground or over it, and within reach of the rock; finer meshes
+ * reach as far as coarser ones, to a tenth of the rock. */
+static void check_surfaces(const pl_rock_field *field, const pl_terrain *terrain, pl_vec3 eye,
+                           const uint64_t *rocks, size_t count) {
+  pl_rock_surfaces far, near;
+  assert_int_equal(pl_rock_surfaces_find(field, terrain, rocks, count, eye, 0.05, &far), PL_OK);
+  assert_int_equal(pl_rock_surfaces_find(field, terrain, rocks, count, eye, 1e-4, &near), PL_OK);
+  for (size_t k = 0; k < count; k++) {
+    const pl_rock *rock = &near.rocks[k];
+    double highest[2] = {0.0, 0.0};
+    assert_true(rock->id == rocks[k] && far.first[k + 1] > far.first[k]);
+    assert_true(near.first[k + 1] - near.first[k] > far.first[k + 1] - far.first[k]);
+    for (size_t n = near.first[k]; n < near.first[k + 1]; n++) {
+      const pl_vec3 p = near.points[n], up = pl_vec3_unit(p);
+      const double ground_m =
+          pl_terrain_datum_m(terrain, up) + pl_terrain_height(terrain, up, PL_CUBE_LEVELS - 1);
+      assert_true(pl_vec3_norm(p) > ground_m - 0.02 * rock->diameter_m);
+      assert_true(pl_vec3_norm(pl_vec3_sub(p, rock->center)) <
+                  PL_ROCK_SHAPE_REACH * rock->diameter_m);
+      highest[0] = fmax(highest[0], pl_vec3_norm(p));
+    }
+    for (size_t n = far.first[k]; n < far.first[k + 1]; n++)
+      highest[1] = fmax(highest[1], pl_vec3_norm(far.points[n]));
+    assert_true(fabs(highest[0] - highest[1]) < 0.1 * rock->diameter_m);
+  }
+  pl_rock_surfaces_clear(&far);
+  pl_rock_surfaces_clear(&near);
+}
+
+static void test_surfaces(void **state) {
+  (void)state;
+  const pl_rock_frame frame = frame_of(PL_ROCKS_HAWORTH, 0.3, 5.0);
+  pl_rock_field *field = field_of(&frame);
+  pl_terrain *terrain = rough_moon(1.0);
+  const pl_vec3 axis = pl_vec3_unit((pl_vec3){0.3, 0.5, 0.7});
+  const pl_vec3 eye = pl_vec3_scale(axis, RADIUS_M + 30.0);
+  pl_rock *rocks;
+  size_t count;
+  assert_int_equal(pl_rock_list(field, terrain, axis, 40.0, 0.5, 5.0, &rocks, &count), PL_OK);
+  assert_in_range(count, 10, 1000);
+  uint64_t ids[41];
+  const size_t some = count < 40 ? count : 40;
+  for (size_t k = 0; k < some; k++)
+    ids[k] = rocks[k].id;
+  check_surfaces(field, terrain, eye, ids, some);
+  ids[some] = 1; /* of none, after others that have points */
+  pl_rock_surfaces found;
+  assert_int_equal(pl_rock_surfaces_find(field, terrain, ids, some + 1, eye, 1e-3, &found),
+                   PL_E_RANGE);
+  assert_int_equal(pl_rock_surfaces_find(field, terrain, ids, 0, eye, 1e-3, &found), PL_OK);
+  assert_int_equal(found.first[0], 0);
+  pl_rock_surfaces_clear(&found);
+  pl_free(rocks);
+  pl_rock_field_destroy(field);
+  pl_terrain_destroy(terrain);
+}
+
 static void test_none(void **state) {
   (void)state;
   pl_rock_frame frame = frame_of(PL_ROCKS_HAWORTH, 0.05, 50.0);
@@ -370,9 +428,9 @@ static void test_errors(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_counts), cmocka_unit_test(test_seats), cmocka_unit_test(test_levels),
-      cmocka_unit_test(test_list),   cmocka_unit_test(test_none),  cmocka_unit_test(test_cliff),
-      cmocka_unit_test(test_errors),
+      cmocka_unit_test(test_counts), cmocka_unit_test(test_seats),    cmocka_unit_test(test_levels),
+      cmocka_unit_test(test_list),   cmocka_unit_test(test_none),     cmocka_unit_test(test_cliff),
+      cmocka_unit_test(test_errors), cmocka_unit_test(test_surfaces),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

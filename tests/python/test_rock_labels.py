@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from functools import cache
 from typing import Any
 
@@ -91,6 +92,54 @@ def test_a_rock_has_the_same_id_from_a_rover() -> None:
     assert (near["px_count_visib"][b] > 4 * rows["px_count_visib"][a]).any()
 
 
+def aslant(times: int = 1, **rocks: Any) -> np.ndarray:
+    """Rows of rocks in a view of 128x96 pixels over a field of many, or of the picture about it
+    that is some times as wide and high."""
+    width, focal_px = 128 * times, 110.0
+    camera = {
+        "trajectory": over(6.0, 70.0),
+        "width": width,
+        "height": 96 * times,
+        "fov_deg": math.degrees(2.0 * math.atan(0.5 * width / focal_px)),
+    }
+    many = ROCKS | {"density": 20.0} | rocks
+    return moon(TERRAIN | {"rocks": many}, camera).rocks(0)
+
+
+def test_whole_boxes_of_cut_rocks_are_those_of_a_larger_picture() -> None:
+    """To a pixel: which centres of pixels a far rock covers, its mesh decides."""
+    rows, wide = aslant(), aslant(3)
+    _, a, b = np.intersect1d(rows["id"], wide["id"], return_indices=True)
+    assert len(a) == len(rows)
+    cut = rows["cut"][a]
+    assert cut.sum() > 10
+    shown = wide["bbox_visib"][b] - [128, 96, 0, 0]
+    assert np.abs(rows["bbox_obj"][a] - shown)[cut].max() <= 1
+    assert (np.abs(rows["bbox_visib"][a] - shown)[cut].max(axis=1) > 1).sum() > 8
+
+
+def test_whole_boxes_of_hidden_rocks_are_those_of_rocks_alone() -> None:
+    """With the small rocks gone that were before them. Large ones still hide each other, so a few
+    boxes differ."""
+    rows, alone = aslant(), aslant(min_diameter_m=0.9)
+    _, a, b = np.intersect1d(rows["id"], alone["id"], return_indices=True)
+    same = ~alone["cut"][b]
+    off = np.abs(rows["bbox_obj"][a] - alone["bbox_visib"][b])[same].max(axis=1)
+    assert len(off) > 60
+    assert (off <= 1).mean() > 0.94
+    assert off.max() <= 4
+    hidden = rows["px_count_visib"][a] < 0.9 * alone["px_count_visib"][b]
+    assert hidden.sum() > 15
+
+
+def test_whole_boxes_hold_the_visible_ones() -> None:
+    rows = aslant()
+    low, seen = rows["bbox_obj"][:, :2], rows["bbox_visib"][:, :2]
+    assert (low <= seen).all()
+    high = low + rows["bbox_obj"][:, 2:]
+    assert (high >= seen + rows["bbox_visib"][:, 2:]).all()
+
+
 def test_none() -> None:
     sim = seen(over(30.0), density=0.0)
     assert len(sim.rocks(0)) == 0
@@ -98,8 +147,15 @@ def test_none() -> None:
     with pytest.raises(ValueError, match=r"body: no body has terrain\.rocks"):
         moon({}, {"trajectory": over(30.0)}).rocks(0)
     terrain, _ = above()[0]._mine().terrain_of(above()[0].config, "moon")
+    one, eye = np.array([1], dtype=np.uint64), np.zeros(3)
     with pytest.raises(ValueError, match="no rock with the id 1"):
-        terrain.rocks(np.array([1], dtype=np.uint64))
+        terrain.rocks(one)
+    with pytest.raises(ValueError, match="no rock with the id 1"):
+        terrain.rock_surfaces(one, eye, 1e-3)
+    with pytest.raises(ValueError, match="pixel_rad: must be finite and above 0"):
+        terrain.rock_surfaces(one, eye, 0.0)
     bare = _core.Terrain(np.full(3, MOON_M))
     with pytest.raises(ValueError, match="the terrain has no rocks"):
-        bare.rocks(np.array([1], dtype=np.uint64))
+        bare.rocks(one)
+    with pytest.raises(ValueError, match="the terrain has no rocks"):
+        bare.rock_surfaces(one, eye, 1e-3)

@@ -75,7 +75,8 @@ class GroundTables:
         sample, number = self._sample, self._taxonomy.instances[name]
         ids = np.where(sample["instance"] == number, sample["rock_id"], 0)
         terrain, _ = self._handles.terrain_of(self._scene.config, name)
-        rows = rocks.in_view(ids, self._camera, terrain)
+        world = shutter.middle(self._scene)
+        rows = rocks.in_view(ids, self._camera, world, name, terrain)
         rows["instance_id"] = number
         return rows
 
