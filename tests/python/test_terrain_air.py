@@ -33,11 +33,14 @@ def air(ground_km: float) -> dict[str, Any]:
 
 def planet(
     terrain: dict[str, Any] | None, ground_km: float = 0.0, off_nadir_deg: float = 90.0,
-    sun_deg: float = 20.0, height_m: float = 2.0, **render: Any,
+    sun_deg: float = 20.0, height_m: float = 2.0, dust: dict[str, Any] | None = None, **render: Any,
 ) -> perilune.Simulation:  # fmt: skip
-    """A grey planet with air, seen from a height over its ground. `ground_km`: of its surface."""
+    """A grey planet with air, seen from a height over its ground. `ground_km`: of its surface;
+    `dust`: other air."""
     body = {"kind": "mars", "radii_km": [RADIUS_KM + ground_km] * 3, "albedo": 0.3}
-    body |= {"atmosphere": air(ground_km)} | ({} if terrain is None else {"terrain": terrain})
+    body |= {"atmosphere": dust or air(ground_km)} | (
+        {} if terrain is None else {"terrain": terrain}
+    )
     camera = {"width": 32, "height": 48, "fov_deg": 40.0, "exposure": {"mode": "auto"}}
     camera["trajectory"] = SITE | {
         "kind": "hover", "target": "planet", "height_m": height_m, "off_nadir_deg": off_nadir_deg,
@@ -80,6 +83,32 @@ def test_skylight_does_not_need_bounces(sun_deg: float) -> None:
         assert light == pytest.approx(smooth, rel=0.03), bounces
         dark = shown(planet(nothing, max_bounces=bounces, force_off=["skylight"], **down))[0].mean()
         assert dark < (0.75 if sun_deg < 10.0 else 0.95) * light, bounces
+
+
+@pytest.mark.parametrize(
+    ("sun_deg", "net", "within"), [(5.0, 0.373, 0.3), (10.0, 0.502, 0.1), (30.0, 0.740, 0.1)]
+)
+def test_light_under_dust_is_that_of_published_tables(
+    sun_deg: float, net: float, within: float
+) -> None:
+    """`net`: sunlight that the ground of Mars takes in under dust of depth 0.4, over that without
+    air (Appelbaum and Flood 1990, Solar Energy 45, table III, albedo 0.1, all wavelengths on level
+    layers; a round body has more of the lowest Sun). At 5 degrees the Sun itself is a tenth of the
+    sky's light at most: shadows are pale."""
+    extinction = 0.4 / 9.0
+    dust = {"mie_extinction_per_km": extinction, "mie_scattering_per_km": 0.93 * extinction}
+    down = {"off_nadir_deg": 0.0, "sun_deg": sun_deg, "height_m": 20.0, "tolerance_dn": 0.0}
+    below = planet(None, dust={"preset": "mars"} | dust, **down)
+    below = below.with_overrides(
+        {"bodies.planet.albedo": 0.1, "camera.width": 8, "camera.height": 6}
+    )
+    light = shown(below)[0].mean()
+    direct = shown(below.with_overrides({"render.force_off": ["skylight"]}))[0].mean()
+    bare = shown(below.with_overrides({"bodies.planet.atmosphere": None}))[0].mean()
+    assert light / bare == pytest.approx(net / 0.9, rel=within)
+    beer = math.exp(-0.4 / math.sin(math.radians(sun_deg)))
+    assert 0.95 * beer < direct / bare < beer + 0.03
+    assert sun_deg > 5.0 or direct < 0.1 * (light - direct)
 
 
 def test_exposure_counts_the_light_of_the_sky() -> None:
