@@ -226,21 +226,35 @@ static bool is_there_itself(const pl_sight *s, const pl_hit *hit) {
           (s->object != NULL && s->triangle == hit->triangle + 1));
 }
 
+bool pl_sight_look(const pl_sight_frame *frame, const pl_sight *s, pl_sight_memo *memo,
+                   pl_sight_query *out) {
+  const pl_carrier *c = carry(frame, s, memo);
+  const pl_vec3 p = pl_affine_apply(&c->place, s->local);
+  out->distance_m = pl_vec3_norm(p);
+  out->ray = (pl_ray){.t_max = INFINITY,
+                      .direction = pl_vec3_scale(p, 1.0 / out->distance_m),
+                      .skip_body = PL_NO_BODY,
+                      .from_surface = PL_NO_SURFACE};
+  out->cosine = s->is_point ? cosine_of(s, memo, out->ray.direction) : 1.0;
+  return out->cosine > 0.0;
+}
+
+pl_surface_id pl_sight_hider(const pl_sight_frame *frame, const pl_sight *s,
+                             const pl_sight_query *query, const pl_hit *hit) {
+  if (pl_surface_is_none(hit->surface_id) || !s->is_point)
+    return hit->surface_id;
+  if (is_there_itself(s, hit))
+    return PL_NO_SURFACE;
+  const double slack = slack_m(frame, s, hit, query->ray.direction, query->cosine);
+  return hit->t < query->distance_m - slack ? hit->surface_id : PL_NO_SURFACE;
+}
+
 pl_surface_id pl_sight_hidden_by(const pl_sight_frame *frame, const pl_sight *s,
                                  pl_sight_memo *memo) {
-  const pl_carrier *c = carry(frame, s, memo);
-  const pl_vec3 p = pl_affine_apply(&c->place, s->local), ray = pl_vec3_unit(p);
-  const pl_ray seen = {
-      .t_max = INFINITY, .direction = ray, .skip_body = PL_NO_BODY, .from_surface = PL_NO_SURFACE};
-  const double cosine = s->is_point ? cosine_of(s, memo, ray) : 1.0;
+  pl_sight_query query;
   pl_hit hit;
-  if (!(cosine > 0.0))
+  if (!pl_sight_look(frame, s, memo, &query))
     return s->surface_id;
-  pl_tracer_closest(frame->tracer, &seen, &hit, 1, false, true);
-  if (pl_surface_is_none(hit.surface_id) || !s->is_point)
-    return hit.surface_id;
-  if (is_there_itself(s, &hit))
-    return PL_NO_SURFACE;
-  const double before_m = pl_vec3_norm(p) - slack_m(frame, s, &hit, ray, cosine);
-  return hit.t < before_m ? hit.surface_id : PL_NO_SURFACE;
+  pl_tracer_closest(frame->tracer, &query.ray, &hit, 1, false, true);
+  return pl_sight_hider(frame, s, &query, &hit);
 }

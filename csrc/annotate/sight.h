@@ -67,6 +67,19 @@ bool pl_sight_project(const pl_sight_frame *frame, const pl_sight *sight, pl_sig
                       pl_vec3 *point, double pixel[2]);
 bool pl_pixel_in_image(const pl_camera *camera, const double pixel[2]);
 
+/* The ray from the camera to a sight, in the middle of the exposure. */
+typedef struct pl_sight_query {
+  pl_ray ray;
+  double distance_m, cosine; /* between the way to the camera and the normal */
+} pl_sight_query;
+
+/* Returns false if the surface turns its other side, which hides the sight without a ray. */
+bool pl_sight_look(const pl_sight_frame *frame, const pl_sight *sight, pl_sight_memo *memo,
+                   pl_sight_query *out);
+/* What hides the sight if the closest hit of its ray is `hit`; PL_NO_SURFACE: nothing. */
+pl_surface_id pl_sight_hider(const pl_sight_frame *frame, const pl_sight *sight,
+                             const pl_sight_query *query, const pl_hit *hit);
+
 /* Returns what hides a sight from the camera, in the middle of the exposure: its own surface also
  * if that turns its other side; PL_NO_SURFACE: nothing. */
 pl_surface_id pl_sight_hidden_by(const pl_sight_frame *frame, const pl_sight *sight,

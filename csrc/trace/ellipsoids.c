@@ -3,16 +3,18 @@
 #include "trace/instance.h"
 #include "trace/intersect.h"
 
-/* Returns the distance to a body, or infinity. Its bounding sphere is tested first, with a margin
- * for rounding. */
-static double body_distance(const pl_shot_body *body, const pl_ray *ray) {
+/* Returns the distance to a body, or infinity if that is none or beyond the limit. Its bounding
+ * sphere is tested first, with a margin for rounding. */
+static double body_distance(const pl_shot_body *body, const pl_ray *ray, double limit_m) {
   if (!pl_shot_is_smooth(body))
     return INFINITY;
   const pl_vec3 o = ray->origin, d = ray->direction;
   const pl_vec3 to_center = pl_vec3_sub(body->center, o);
   const double along = pl_vec3_dot(to_center, d), square = pl_vec3_dot(to_center, to_center);
   const double reach = body->radius_m * body->radius_m * (1.0 + 1e-6) + 1e-6 * square;
-  if (square - along * along > reach || (along < 0.0 && square > reach))
+  const double before = limit_m + body->radius_m; /* a centre farther away has no nearer surface */
+  if (square - along * along > reach || (along < 0.0 && square > reach) ||
+      square * (1.0 - 1e-6) > before * before)
     return INFINITY;
   const pl_vec3 origin = pl_vec3_add(body->camera_unit, pl_mat3_mul_vec(body->to_unit, o));
   double t;
@@ -44,8 +46,8 @@ static void closest_of(const pl_snapshot *shot, const pl_ray *ray, pl_hit *hit) 
   if (ray->skip_body == PL_EVERY_ELLIPSOID)
     return;
   for (uint32_t b; (b = pl_next_body(shot, ray, limit_of(ray, hit), &k)) != PL_NO_BODY;) {
-    const double t = body_distance(&shot->bodies[b], ray);
-    if (t < limit_of(ray, hit))
+    const double limit_m = limit_of(ray, hit), t = body_distance(&shot->bodies[b], ray, limit_m);
+    if (t < limit_m)
       *hit = (pl_hit){.surface_id = pl_surface_of_body(b), .t = t};
   }
 }
@@ -60,7 +62,7 @@ static bool is_occluded(const pl_snapshot *shot, const pl_ray *ray) {
   if (ray->skip_body == PL_EVERY_ELLIPSOID)
     return false;
   for (uint32_t b; (b = pl_next_body(shot, ray, ray->t_max, &k)) != PL_NO_BODY;)
-    if (body_distance(&shot->bodies[b], ray) < ray->t_max)
+    if (body_distance(&shot->bodies[b], ray, ray->t_max) < ray->t_max)
       return true;
   return false;
 }
