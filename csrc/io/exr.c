@@ -4,7 +4,10 @@
 #include <stdbool.h>
 #include <string.h>
 
+#include "base/memory.h"
+#include "io/deflate.h"
 #include "io/exr_settings.h"
+#include "io/shuffle.h"
 
 enum { MAX_SIDE = PL_EXR_MAX_SIDE, MAX_NAME = 255, PART = 0 };
 
@@ -25,15 +28,12 @@ static pl_status told(exr_result_t code) {
                  exr_get_default_error_message(code));
 }
 
-static pl_status check(int width, int height, const pl_exr_channel *channels, size_t count,
-                       int level) {
+static pl_status check(int width, int height, const pl_exr_channel *channels, size_t count) {
   if (width < 1 || height < 1 || width > MAX_SIDE || height > MAX_SIDE)
     return pl_fail(PL_E_RANGE, "EXR: %d x %d pixels; sides must be in 1..%d", width, height,
                    MAX_SIDE);
   if (count < 1)
     return pl_fail(PL_E_RANGE, "EXR: there is no channel");
-  if (level < 1 || level > 9)
-    return pl_fail(PL_E_RANGE, "EXR: compression level %d; must be in 1..9", level);
   for (size_t i = 0; i < count; i++) {
     const size_t length = strlen(channels[i].name);
     if (length < 1 || length > MAX_NAME)
@@ -48,13 +48,11 @@ static pl_status check(int width, int height, const pl_exr_channel *channels, si
 
 static exr_result_t write_header(exr_context_t context, int width, int height,
                                  const pl_exr_channel *channels, size_t count,
-                                 const pl_exr_text *texts, size_t text_count, int level) {
+                                 const pl_exr_text *texts, size_t text_count) {
   int part;
   exr_result_t code = exr_add_part(context, "labels", EXR_STORAGE_SCANLINE, &part);
   if (code == EXR_ERR_SUCCESS)
     code = exr_initialize_required_attr_simple(context, PART, width, height, EXR_COMPRESSION_ZIP);
-  if (code == EXR_ERR_SUCCESS)
-    code = exr_set_zip_compression_level(context, PART, level);
   for (size_t i = 0; i < count && code == EXR_ERR_SUCCESS; i++)
     code = exr_add_channel(context, PART, channels[i].name, pixel_types[channels[i].type],
                            EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1);
@@ -85,9 +83,50 @@ static void point_at(exr_encode_pipeline_t *pipe, int width, int y, const pl_exr
   }
 }
 
+/* What compressing a block of lines needs. */
+typedef struct block {
+  uint8_t *spare, *shuffled;
+  size_t room;
+  pl_bytes stream;
+} block;
+
+/* Bytes from a value to the next after shuffling, where types of 4 bytes have two of each in turn.
+ */
+enum { STRIDE = 2 };
+
+/* In place of the library's, which takes zlib most of the time of a file. */
+static exr_result_t compress(exr_encode_pipeline_t *pipe) {
+  block *b = pipe->encoding_user_data;
+  const size_t size = (size_t)pipe->packed_bytes;
+  if (size > b->room) {
+    pl_free(b->spare);
+    pl_free(b->shuffled);
+    b->spare = pl_alloc(size, 1);
+    b->shuffled = pl_alloc(size, 1);
+    b->room = b->spare != NULL && b->shuffled != NULL ? size : 0;
+  }
+  b->stream.size = 0;
+  if (b->room < size)
+    return EXR_ERR_OUT_OF_MEMORY;
+  pl_shuffle_exr(pipe->packed_buffer, size, b->spare, b->shuffled);
+  if (pl_deflate_zlib(b->shuffled, size, STRIDE, &b->stream) != PL_OK)
+    return EXR_ERR_OUT_OF_MEMORY;
+  const bool smaller = b->stream.size < size; /* else readers take it for the values themselves */
+  pipe->compressed_buffer = smaller ? b->stream.data : pipe->packed_buffer;
+  pipe->compressed_bytes = smaller ? b->stream.size : size;
+  return EXR_ERR_SUCCESS;
+}
+
+static void block_clear(block *b) {
+  pl_free(b->spare);
+  pl_free(b->shuffled);
+  pl_bytes_clear(&b->stream);
+}
+
 static exr_result_t write_lines(exr_context_t context, int width, int height,
                                 const pl_exr_channel *channels, size_t count) {
   exr_encode_pipeline_t pipe = EXR_ENCODE_PIPELINE_INITIALIZER;
+  block block = {0};
   int32_t step = 1;
   exr_result_t code = exr_get_scanlines_per_chunk(context, PART, &step);
   for (int y = 0; y < height && code == EXR_ERR_SUCCESS; y += step) {
@@ -101,22 +140,26 @@ static exr_result_t write_lines(exr_context_t context, int width, int height,
     point_at(&pipe, width, y, channels, count);
     if (y == 0)
       code = exr_encoding_choose_default_routines(context, PART, &pipe);
+    pipe.encoding_user_data = &block;
+    pipe.compress_fn = compress;
     if (code == EXR_ERR_SUCCESS)
       code = exr_encoding_run(context, PART, &pipe);
+    pipe.compressed_buffer = NULL; /* not the pipeline's */
   }
   exr_encoding_destroy(context, &pipe);
+  block_clear(&block);
   return code;
 }
 
 pl_status pl_exr_encode(int width, int height, const pl_exr_channel *channels, size_t channel_count,
-                        const pl_exr_text *texts, size_t text_count, int level, pl_bytes *out) {
-  PL_TRY(check(width, height, channels, channel_count, level));
+                        const pl_exr_text *texts, size_t text_count, pl_bytes *out) {
+  PL_TRY(check(width, height, channels, channel_count));
   exr_context_initializer_t settings = pl_exr_settings(out);
   settings.write_fn = on_write;
   exr_context_t context;
   PL_TRY(told(exr_start_write(&context, "memory.exr", EXR_WRITE_FILE_DIRECTLY, &settings)));
   exr_result_t code =
-      write_header(context, width, height, channels, channel_count, texts, text_count, level);
+      write_header(context, width, height, channels, channel_count, texts, text_count);
   if (code == EXR_ERR_SUCCESS)
     code = write_lines(context, width, height, channels, channel_count);
   const exr_result_t finished = exr_finish(&context); /* writes the table of chunks */

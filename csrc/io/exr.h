@@ -20,11 +20,11 @@ typedef struct pl_exr_text {
   const char *name, *value; /* an attribute of the header, UTF-8 */
 } pl_exr_text;
 
-/* Encodes one part, compressed by ZIP in blocks of 16 lines, without loss. `level` is that of zlib,
- * 1..9. The same input gives the same bytes. `out` must be empty, and is the caller's to clear,
- * also after an error. Reentrant. PL_E_RANGE for sides outside of 1..65536, no channel, or a name
- * that is empty, longer than 255 bytes or there twice; PL_E_MEMORY. */
+/* Encodes one part, compressed by ZIP in blocks of 16 lines, without loss. The same input gives the
+ * same bytes. `out` must be empty, and is the caller's to clear, also after an error. Reentrant.
+ * PL_E_RANGE for sides outside of 1..65536, no channel, or a name that is empty, longer than 255
+ * bytes or there twice; PL_E_MEMORY. */
 pl_status pl_exr_encode(int width, int height, const pl_exr_channel *channels, size_t channel_count,
-                        const pl_exr_text *texts, size_t text_count, int level, pl_bytes *out);
+                        const pl_exr_text *texts, size_t text_count, pl_bytes *out);
 
 #endif

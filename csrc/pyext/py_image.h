@@ -4,6 +4,7 @@
 
 #include "pyext/py_common.h"
 
+PyObject *pl_py_deflate(PyObject *module, PyObject *args);
 PyObject *pl_py_exr_encode(PyObject *module, PyObject *args);
 PyObject *pl_py_exr_decode(PyObject *module, PyObject *args);
 PyObject *pl_py_png_encode(PyObject *module, PyObject *args, PyObject *kwargs);

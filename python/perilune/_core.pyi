@@ -15,6 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perilune._core_files import (
+    deflate as deflate,
+)
+from perilune._core_files import (
     exr_decode as exr_decode,
 )
 from perilune._core_files import (

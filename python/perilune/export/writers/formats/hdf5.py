@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from perilune import _core
 from perilune.config.errors import ConfigError
 from perilune.export.writers.formats.base import (
     Array,
@@ -21,7 +22,7 @@ from perilune.export.writers.formats.base import (
     Record,
 )
 from perilune.export.writers.formats.channels import Channel
-from perilune.export.writers.formats.pixels import DEFLATE_LEVEL, deflates, from_npy, npy
+from perilune.export.writers.formats.pixels import from_npy, npy, stride_of
 from perilune.simulation import Simulation
 
 _RECORD = "record"
@@ -50,11 +51,36 @@ def _bytes_of_texts(array: Array) -> Array:
     return table
 
 
-def _filters(array: Array) -> dict[str, Any]:
-    """How a data set is compressed."""
-    if not array.size or not deflates(array):
-        return {}
-    return {"compression": "gzip", "compression_opts": DEFLATE_LEVEL, "shuffle": True}
+_CHUNK_BYTES = 1 << 20
+"""Of a chunk, at most, unless a row has more: what HDF5 keeps in memory by default."""
+
+
+def _write(group: Any, name: str, array: Array) -> None:
+    """A data set; compressed by our deflate, which takes a part of the time of HDF5's own filter,
+    and which that reads."""
+    stride = stride_of(array) if array.size and array.dtype.names is None else 0
+    if stride == 0:
+        group.create_dataset(name, data=array, track_times=False)
+        return
+    rows = max(1, min(len(array), _CHUNK_BYTES * len(array) // array.nbytes))
+    data = group.create_dataset(
+        name,
+        shape=array.shape,
+        dtype=array.dtype,
+        chunks=(rows, *array.shape[1:]),
+        compression="gzip",
+        compression_opts=1,
+        shuffle=True,
+        track_times=False,
+    )
+    for start in range(0, len(array), rows):
+        chunk = np.zeros((rows, *array.shape[1:]), dtype=array.dtype)  # whole, also the last one
+        part = array[start : start + rows]
+        chunk[: len(part)] = part
+        stream = _core.deflate(
+            chunk.reshape(-1).view(np.uint8), stride // array.itemsize, array.itemsize
+        )
+        data.id.write_direct_chunk((start, *(0,) * (array.ndim - 1)), stream)
 
 
 class Hdf5(Format):
@@ -110,9 +136,7 @@ class Hdf5(Format):
                     )
                     continue
                 array = from_npy(data)
-                group.create_dataset(
-                    Path(leaf).stem, data=array, track_times=False, **_filters(array)
-                )
+                _write(group, Path(leaf).stem, array)
 
     @contextmanager
     def unpack(self, path: Path) -> Iterator[PackReader]:
