@@ -53,7 +53,7 @@ static double cost_ms(const pl_view *view, int value) {
 
 const pl_effect pl_effect_surface_maps = {
     .name = "surface_maps",
-    .doc = "Colour, roughness, normal and emission maps, grain of rocks; off: the mean of each map",
+    .doc = "Colour, roughness, normal and emission maps, mottling, grain of rocks; off: means",
     .absent = absent,
     .ceiling = pl_effect_ceiling_one,
     .bound_dn = bound_dn,

@@ -243,6 +243,21 @@ def test_mottling_keeps_the_mean_albedo_and_has_its_contrast() -> None:
     assert 0.3 < high - low < 0.5
 
 
+def test_mottling_is_a_part_of_the_row_of_maps(tmp_path: Path) -> None:
+    """Without the row ground has the mean albedo; the bound holds what that changes."""
+    parts = {"mottling": {"contrast": 0.4, "border": 0.1}}
+    shown = perilune.open(scene(tmp_path, 1.0, **parts))
+    hidden = shown.with_overrides({"render.force_off": ["surface_maps"]})
+    plain = shown.with_overrides({"bodies.moon.terrain.textures": []})
+    light, even, smooth = (sim[0]["radiance"][..., 1] for sim in (shown, hidden, plain))
+    assert even.mean() == pytest.approx(light.mean(), rel=0.05)
+    assert even == pytest.approx(smooth, rel=1e-6)
+    assert np.std(light) > 2.0 * np.std(even)
+    row = {row["name"]: row for row in shown.plan(0)}["surface_maps"]
+    assert row["on"]
+    assert row["bound_dn"] >= 255.0 * np.abs(light - even).max() / 200.0
+
+
 def test_drivers_draw_other_samples() -> None:
     """Each value has a ground of its own; the same frame has the same again."""
     change = made(2.0, clods={"density_per_m2": {"uniform": [5.0, 300.0]}, "pixels": 64})
