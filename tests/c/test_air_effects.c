@@ -7,7 +7,7 @@
 #include "airs.h"
 #include "differences.h"
 
-enum { SAMPLES = 8, SCENES = PL_DRAWS(18, 3) };
+enum { SAMPLES = 8, SCENES = PL_DRAWS(18, 2) };
 
 static const double AU = 149597870700.0;
 

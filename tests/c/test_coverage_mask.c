@@ -168,7 +168,7 @@ static void test_large(void **state) {
 static void test_small(void **state) {
   (void)state;
   check_debris(keep, 0, 3.0, 30.0, 1000, 1e-4, 0.05, WORLDS(12), 2);
-  check_debris(keep, 0, 3.0, 30.0, 40000, 1e-4, 0.02, 3, 3);
+  check_debris(keep, 0, 3.0, 30.0, 40000, 1e-4, 0.02, PL_DRAWS(3, 1), 3);
 }
 
 static void test_slivers(void **state) {

@@ -99,6 +99,7 @@ static void set_clear(set *s) {
 static pl_frame_request request_whole(const set *s, const film *f, int threads) {
   pl_frame_request request = request_all(&s->stage, f);
   request.threads = threads;
+  request.samples = PL_DRAWS(request.samples, 2);
   request.amodal = true;
   request.exposure = (pl_exposure){.automatic = true, .percentile = 90, .key = 0.7};
   request.others[PL_FLOW_NEXT] = request.others[PL_FLOW_PREVIOUS] = &s->other;

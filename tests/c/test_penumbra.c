@@ -7,7 +7,7 @@
 #include "frames.h"
 #include "geom/ellipsoid.h"
 
-enum { SIDE = 48, FINE = 8 };
+enum { SIDE = 48, FINE = PL_DRAWS(8, 4) };
 static const double AU = 149597870700.0, SUN_RADIUS_M = 695700e3, SOLAR = 1361.0;
 static const double GROUND_Z = 100.0;
 

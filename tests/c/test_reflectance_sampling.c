@@ -118,7 +118,7 @@ static void check_chi_square(const sight *seen) {
   int lost = 0;
   /* The integrals cost more than the draws; weights and energy are of all sights. */
   static int sights;
-  if (sights++ % PL_DRAWS(1, 7) != 0 || !can_tell(seen))
+  if (sights++ % PL_DRAWS(1, 21) != 0 || !can_tell(seen))
     return;
   memset(count, 0, sizeof count);
   for (int i = 0; i < DRAWS; i++) {

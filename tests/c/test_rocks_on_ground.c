@@ -205,7 +205,7 @@ static void meshes_leave_with_their_tiles(void **state) {
   assert_true(pl_ground_tiles_used(f.kept).rock_meshes >= first.rock_meshes);
   f.kept->ground->limit = first.bytes;
   pl_ground_tiles_trim(f.kept); /* the tiles of the first place leave */
-  for (int turn = 0; turn < 3; turn++) {
+  for (int turn = 0; turn < PL_DRAWS(3, 2); turn++) {
     build_at(&f, SOMEWHERE);
     pl_ground_tiles_trim(f.kept);
     assert_true(pl_ground_tiles_used(f.kept).bytes <= first.bytes);

@@ -5,7 +5,7 @@
 #include "differences.h"
 #include "graphs.h"
 
-enum { SAMPLES = 8, SCENES = 24 };
+enum { SAMPLES = 8, SCENES = PL_DRAWS(24, 6) };
 
 static const double AU = 149597870700.0;
 
@@ -295,7 +295,7 @@ static void test_row_stays_below_its_bound(void **state) {
     world_clear(&w);
   }
   print_message("changed %d frames, %d with a bound below 64 DN\n", changed, small);
-  assert_true(changed > 3 && small > 0);
+  assert_true(PL_SEEN(changed, 3) && PL_SEEN(small, 0));
 }
 
 int main(void) {
