@@ -18,7 +18,9 @@ from pathlib import Path
 import mitsuba
 import numpy as np
 import pytest
+from benchmarks.reference.by_mitsuba import write_ply
 from benchmarks.reference.models import flat_normals, rectangle
+from benchmarks.reference.scene import Mesh
 from scipy import stats
 
 from perilune import _core
@@ -229,19 +231,10 @@ def ours(
 
 
 def ply_of(shape: Shape, path: Path) -> str:
-    columns = [shape.corners.reshape(-1, 3), normals_of(shape).reshape(-1, 3)]
-    names = ["x", "y", "z", "nx", "ny", "nz"]
-    if shape.uvs is not None:
-        columns.append(shape.uvs.reshape(-1, 2))
-        names += ["u", "v"]
-    vertices = np.hstack(columns)
-    lines = ["ply", "format ascii 1.0", f"element vertex {len(vertices)}"]
-    lines += [f"property float {axis}" for axis in names]
-    lines += [f"element face {len(shape.corners)}", "property list uchar int vertex_indices"]
-    lines += ["end_header"] + [" ".join(f"{c:.9g}" for c in v) for v in vertices]
-    lines += [f"3 {3 * i} {3 * i + 1} {3 * i + 2}" for i in range(len(shape.corners))]
-    path.write_text("\n".join(lines) + "\n")
-    return str(path)
+    uvs = None if shape.uvs is None else shape.uvs.reshape(-1, 2)
+    indices = np.arange(3 * len(shape.corners)).reshape(-1, 3)
+    normals = normals_of(shape).reshape(-1, 3)
+    return write_ply(path, Mesh("", 0, shape.corners.reshape(-1, 3), normals, indices, uvs))
 
 
 def mitsuba_shape(shape: Shape, path: Path) -> dict:

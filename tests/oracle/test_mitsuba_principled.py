@@ -162,7 +162,7 @@ def test_same_ball(name: str, tmp_path: Path):
     case = CASES[name]
     shapes = [ball(case)]
     a = base.ours(shapes, base.SOLAR, 1, tmp_path, SUN, samples=16)
-    b = case.given_back * base.theirs(shapes, base.SOLAR, 1, tmp_path, SUN, samples=48)
+    b = case.given_back * base.theirs(shapes, base.SOLAR, 1, tmp_path, SUN, samples=16)
     if case.index is not None:
         b *= their_entering(case.index) / entering(case.index)
     seen, lit, half = geometry()

@@ -30,7 +30,7 @@ def both(sim, samples, folder, frame=0, rows=128):
 @pytest.fixture(scope="module")
 def foil(tmp_path_factory):
     folder = tmp_path_factory.mktemp("foil")
-    return both(scenes.FRAMES["foil"].open(WIDTH, folder), (256, 256), folder)
+    return both(scenes.FRAMES["foil"].open(WIDTH, folder), (128, 128), folder)
 
 
 def test_metal_in_metal_is_not_roughened(foil):
