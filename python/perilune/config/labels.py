@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Any
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from perilune.config.errors import fail, nearest
+from perilune.config.names import problem_of
 from perilune.config.types import (
     Integer,
     Positive,
@@ -31,7 +32,17 @@ _SAID = {
     "object": "the key `class` says it",
     "part": "the key `part_classes` says it",
 }
-Level = Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_-]*$")]
+
+
+def _named(name: str) -> str:
+    """A level's name, which becomes a layer and a column."""
+    wrong = problem_of(name)
+    if wrong is not None:
+        fail("", wrong)
+    return name
+
+
+Level = Annotated[str, AfterValidator(_named)]
 ClassName = Annotated[str, Field(min_length=1)]
 ClassPatterns = dict[ClassName, tuple[str, ...]]
 """Class -> shell patterns on part names, material names or `part/material`; the first that

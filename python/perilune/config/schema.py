@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Mapping
 from typing import Annotated, Any, Literal
 
@@ -19,6 +18,7 @@ from perilune.config.labels import Labels
 from perilune.config.lidar import Lidar
 from perilune.config.materials import Material, MaterialDrivers
 from perilune.config.motion import check_motion, check_steps
+from perilune.config.names import problem_of
 from perilune.config.render import Render
 from perilune.config.sensors import Sensor
 from perilune.config.sky import Sky
@@ -30,8 +30,6 @@ from perilune.config.trajectory import check_trajectory
 from perilune.config.types import Integer, Strict, of_structure
 from perilune.config.volumes import Volume
 from perilune.drivers import Drawn
-
-_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_-]*")
 
 
 def _whole(value: Any) -> Any:
@@ -139,9 +137,9 @@ class Config(Strict):
         }
         for section, names in sections.items():
             for name in names:
-                if not _NAME.fullmatch(name):
-                    text = "a name is letters a to z, digits, _ and -, no digit first"
-                    fail(f"{section}.{name}", text)
+                wrong = problem_of(name)
+                if wrong is not None:
+                    fail(f"{section}.{name}", wrong)
         for name in self.spacecraft:
             if name in self.bodies:
                 fail(f"spacecraft.{name}", "a body has the same name")

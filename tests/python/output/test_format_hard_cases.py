@@ -4,6 +4,7 @@ beyond what a first try holds."""
 from __future__ import annotations
 
 import copy
+import json
 from dataclasses import replace
 
 import numpy as np
@@ -12,6 +13,7 @@ import pytest
 import perilune
 from perilune.export.check import check
 from perilune.export.check.invariants import faults
+from perilune.export.stats import statistics
 from perilune.export.writers import write
 from perilune.export.writers.formats.channels import TABLE, Channel, described
 from perilune.export.writers.formats.folder import frame_of, record_for, rendered_for
@@ -148,24 +150,31 @@ def test_an_empty_frame(small_scene, sims, tmp_path, name):
 
 @pytest.mark.parametrize("name", ["bop", *FORMATS])
 def test_names_in_unicode(small_scene, sims, tmp_path, name):
-    """Of classes, keypoints, the description and the folder; entries and levels are ASCII."""
+    """Of spacecraft, levels, classes, keypoints, the description and the folder: no finding by
+    `check`, which renders again, and figures by `stats`."""
     held = list(sims(name).config.render.channels) if name in NOT_PLY else ["rgb", "keypoints"]
     (tmp_path / "points.json").write_text('{"nez_é": [0.9, 0, 0.4], "尾": [-0.9, 0, 0]}', "utf-8")
     changes = {
         **SMALL,
         "description": "größer, 探査機",
         "time.frames_per_scene": 2,
-        "spacecraft.probe.class": "衛星",
-        "spacecraft.probe.keypoints": {"file": str(tmp_path / "points.json")},
+        "spacecraft.зонд-é.class": "衛星",
+        "spacecraft.зонд-é.classes": {"材料": "金属"},
+        "labels.levels": ["kind", "object", "part", "材料"],
+        "spacecraft.зонд-é.keypoints": {"file": str(tmp_path / "points.json")},
         "labels.part_classes": {"tragfläche_µ": ["*wing*"]},
         "render.channels": held,
     }
     if name == "ply":
         changes |= {"render.scans": ["points"], "render.channels": ["objects"]}
     out = tmp_path / "größe 探査"
-    write(name, perilune.open(small_scene, overrides=changes), range(1), out, threads=1)
+    document = perilune.open(small_scene).document
+    tree = json.loads(json.dumps(document.tree).replace('"probe"', json.dumps("зонд-é")))
+    sim = perilune.open(tree, overrides=changes, base=document.base)
+    write(name, sim, range(1), out, threads=1)
     (report,) = check(out, rerender=1)
     assert report.findings == []
+    assert statistics(out)["images"] == 1
 
 
 @pytest.mark.parametrize("far_m", [1e5, 7e8, 4.4e12])
