@@ -28,7 +28,7 @@ fi
 
 BUILD_PACKAGES=(
   gcc g++ cmake ninja-build ccache
-  libembree-dev libpng-dev libjpeg-dev libwebp-dev libopenexr-dev
+  libembree-dev libpng-dev libjpeg-dev libwebp-dev libdeflate-dev libopenexr-dev
   libtinygltf-dev nlohmann-json3-dev libdraco-dev libmeshoptimizer-dev
   python3 python3-dev python3-venv ca-certificates
 )

@@ -17,6 +17,9 @@ typedef struct pl_bytes {
  * PL_E_MEMORY if there is no room; then nothing has changed. */
 pl_status pl_bytes_put(pl_bytes *bytes, size_t offset, const void *from, size_t count);
 
+/* Makes room for `count` bytes behind those that are there. PL_E_MEMORY if there is none. */
+pl_status pl_bytes_reserve(pl_bytes *bytes, size_t count);
+
 /* Frees everything. */
 void pl_bytes_clear(pl_bytes *bytes);
 

@@ -90,11 +90,8 @@ typedef struct block {
   pl_bytes stream;
 } block;
 
-/* Bytes from a value to the next after shuffling, where types of 4 bytes have two of each in turn.
- */
-enum { STRIDE = 2 };
-
-/* In place of the library's, which takes zlib most of the time of a file. */
+/* In place of the library's, which takes zlib most of the time of a file. OpenEXR 3.2 and later use
+ * libdeflate, too. */
 static exr_result_t compress(exr_encode_pipeline_t *pipe) {
   block *b = pipe->encoding_user_data;
   const size_t size = (size_t)pipe->packed_bytes;
@@ -109,7 +106,7 @@ static exr_result_t compress(exr_encode_pipeline_t *pipe) {
   if (b->room < size)
     return EXR_ERR_OUT_OF_MEMORY;
   pl_shuffle_exr(pipe->packed_buffer, size, b->spare, b->shuffled);
-  if (pl_deflate_zlib(b->shuffled, size, STRIDE, &b->stream) != PL_OK)
+  if (pl_deflate(b->shuffled, size, PL_DEFLATE_ZLIB, &b->stream) != PL_OK)
     return EXR_ERR_OUT_OF_MEMORY;
   const bool smaller = b->stream.size < size; /* else readers take it for the values themselves */
   pipe->compressed_buffer = smaller ? b->stream.data : pipe->packed_buffer;

@@ -5,10 +5,6 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* HDF5's shuffle: the first bytes of all items of `item` bytes, then the second ones. `size` is a
- * multiple of `item`. */
-void pl_shuffle_items(const uint8_t *data, size_t size, size_t item, uint8_t *out);
-
 /* OpenEXR's for ZIP: all even bytes, then the odd ones; of all but the first the difference to the
  * one before, plus 128. `spare` has `size` bytes, too. */
 void pl_shuffle_exr(const uint8_t *data, size_t size, uint8_t *spare, uint8_t *out);

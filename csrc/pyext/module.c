@@ -84,7 +84,7 @@ static PyMethodDef functions[] = {
     {"clods", pl_py_clods, METH_O, "Heights of clods on a sample of ground."},
     {"cloud_cover", pl_py_cloud_cover, METH_VARARGS, "Parts of footprints that clouds cover."},
     {"draws", pl_py_draws, METH_VARARGS, "Standard numbers of many streams of NumPy's Philox."},
-    {"deflate", pl_py_deflate, METH_VARARGS, "Bytes by deflate, of which runs are found."},
+    {"deflate", pl_py_deflate, METH_VARARGS, "Bytes by deflate."},
     {"exr_encode", pl_py_exr_encode, METH_VARARGS, "An OpenEXR file of named planes, as bytes."},
     {"exr_decode", pl_py_exr_decode, METH_VARARGS, "The planes of an OpenEXR file, by name."},
     {"gltf_graphs", pl_py_gltf_graphs, METH_O, "Graphs in the extras of a file's materials."},

@@ -9,7 +9,6 @@
 #include "io/exr_read.h"
 #include "io/image_file.h"
 #include "io/png_write.h"
-#include "io/shuffle.h"
 #include "pyext/py_types.h"
 
 /* Returns the number of channels of an image array: 1 for (H, W); 0 for shapes that cannot be
@@ -124,42 +123,22 @@ PyObject *pl_py_png_encode(PyObject *module, PyObject *args, PyObject *kwargs) {
   return taken(&file, status);
 }
 
-/* Compresses an array of bytes; with an `item` above 0 as HDF5 does, shuffled and with zlib's sum.
- */
-static pl_status deflate(const uint8_t *data, size_t size, size_t stride, size_t item,
-                         pl_bytes *out) {
-  if (item == 0)
-    return pl_deflate(data, size, stride, out);
-  void *shuffled;
-  PL_TRY(pl_alloc_or_fail(size, 1, "a shuffled array", &shuffled));
-  pl_shuffle_items(data, size, item, shuffled);
-  const pl_status status = pl_deflate_zlib(shuffled, size, stride, out);
-  pl_free(shuffled);
-  return status;
-}
-
 PyObject *pl_py_deflate(PyObject *module, PyObject *args) {
   PyObject *object;
-  Py_ssize_t stride, item;
+  int zlib;
   const npy_intp any[1] = {-1};
   (void)module;
-  if (!PyArg_ParseTuple(args, "Onn:deflate", &object, &stride, &item))
+  if (!PyArg_ParseTuple(args, "Op:deflate", &object, &zlib))
     return NULL;
   PyArrayObject *array = pl_py_array(object, "array", NPY_UINT8, 1, any);
   if (array == NULL)
     return NULL;
-  const npy_intp size = PyArray_DIM(array, 0);
+  const pl_deflate_form form = zlib ? PL_DEFLATE_ZLIB : PL_DEFLATE_RAW;
   pl_bytes stream = {0};
-  pl_status status = PL_OK;
-  if (stride < 1 || item < 0 || (item > 0 && size % item != 0))
-    status =
-        pl_fail(PL_E_RANGE, "deflate: %td bytes in items of %td", (ptrdiff_t)size, (ptrdiff_t)item);
-  else {
-    Py_BEGIN_ALLOW_THREADS status =
-        deflate(PyArray_DATA(array), (size_t)size, (size_t)stride, (size_t)item, &stream);
-    Py_END_ALLOW_THREADS
-  }
-  Py_DECREF((PyObject *)array);
+  pl_status status;
+  Py_BEGIN_ALLOW_THREADS status =
+      pl_deflate(PyArray_DATA(array), (size_t)PyArray_DIM(array, 0), form, &stream);
+  Py_END_ALLOW_THREADS Py_DECREF((PyObject *)array);
   return taken(&stream, status);
 }
 

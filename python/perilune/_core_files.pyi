@@ -11,9 +11,8 @@ def png_encode(
     """A PNG of uint8 or uint16 (H, W) or (H, W, 1..4). palette: (n, 3) colours, n to 256, of uint8
     (H, W); ValueError for a value without a colour."""
 
-def deflate(array: NDArray[np.uint8], stride: int, item: int, /) -> bytes:
-    """Bytes (n,) by deflate, which looks for repetitions at one distance, `stride` bytes, only.
-    item: 0, or HDF5's shuffle of items of as many bytes comes before, and zlib's sum after."""
+def deflate(array: NDArray[np.uint8], zlib: bool, /) -> bytes:
+    """Bytes (n,) by libdeflate. zlib: with zlib's header and sum; else the stream alone."""
 
 def exr_encode(channels: list[tuple[str, NDArray[Any]]], text: str, /) -> bytes:
     """An OpenEXR file, by ZIP, of planes (H, W): uint32, float16 or float32.

@@ -22,7 +22,7 @@ from perilune.export.writers.formats.base import (
     Record,
 )
 from perilune.export.writers.formats.channels import Channel
-from perilune.export.writers.formats.pixels import from_npy, npy, stride_of
+from perilune.export.writers.formats.pixels import deflates, from_npy, npy
 from perilune.simulation import Simulation
 
 _RECORD = "record"
@@ -56,10 +56,9 @@ _CHUNK_BYTES = 1 << 20
 
 
 def _write(group: Any, name: str, array: Array) -> None:
-    """A data set; compressed by our deflate, which takes a part of the time of HDF5's own filter,
+    """A data set; compressed by libdeflate, which takes a part of the time of HDF5's own filter,
     and which that reads."""
-    stride = stride_of(array) if array.size and array.dtype.names is None else 0
-    if stride == 0:
+    if not array.size or array.dtype.names is not None or not deflates(array):
         group.create_dataset(name, data=array, track_times=False)
         return
     rows = max(1, min(len(array), _CHUNK_BYTES * len(array) // array.nbytes))
@@ -77,9 +76,8 @@ def _write(group: Any, name: str, array: Array) -> None:
         chunk = np.zeros((rows, *array.shape[1:]), dtype=array.dtype)  # whole, also the last one
         part = array[start : start + rows]
         chunk[: len(part)] = part
-        stream = _core.deflate(
-            chunk.reshape(-1).view(np.uint8), stride // array.itemsize, array.itemsize
-        )
+        shuffled = chunk.reshape(-1, 1).view(np.uint8).T.ravel()  # as the filter does
+        stream = _core.deflate(shuffled, True)
         data.id.write_direct_chunk((start, *(0,) * (array.ndim - 1)), stream)
 
 

@@ -13,16 +13,16 @@ from perilune import _core
 from perilune.export.writers.files import npy_parts
 from perilune.export.writers.formats.base import Array, Encoded, Format, Frame, Info, Record
 from perilune.export.writers.formats.channels import Channel
-from perilune.export.writers.formats.pixels import from_npy, stride_of
+from perilune.export.writers.formats.pixels import deflates, from_npy
 
 _META = "meta.json"
 
 
-class _Runs:
+class _Whole:
     """Compresses a file as a ZipFile asks for it."""
 
-    def __init__(self, stride: int) -> None:
-        self._stride, self._parts = stride, list[bytes]()
+    def __init__(self) -> None:
+        self._parts: list[bytes] = []
 
     def compress(self, data: bytes) -> bytes:
         """Nothing yet: a stream is made of the whole."""
@@ -31,23 +31,21 @@ class _Runs:
 
     def flush(self) -> bytes:
         """The stream."""
-        whole = np.frombuffer(b"".join(self._parts), np.uint8)
-        return _core.deflate(whole, self._stride, 0)
+        return _core.deflate(np.frombuffer(b"".join(self._parts), np.uint8), False)
 
 
 def _add(
-    archive: zipfile.ZipFile, name: str, parts: Sequence[bytes | memoryview], stride: int
+    archive: zipfile.ZipFile, name: str, parts: Sequence[bytes | memoryview], deflated: bool
 ) -> None:
-    """Writes the parts of a file, which are not joined before: that would copy all arrays.
-
-    stride: bytes of a pixel, by which it is compressed; 0: it is stored."""
+    """Writes the parts of a file; those that are stored are not joined before, which would copy
+    all arrays."""
     entry = zipfile.ZipInfo(name)  # of 1980-01-01
     entry.external_attr = 0o644 << 16
-    entry.compress_type = zipfile.ZIP_DEFLATED if stride else zipfile.ZIP_STORED
+    entry.compress_type = zipfile.ZIP_DEFLATED if deflated else zipfile.ZIP_STORED
     entry.file_size = sum(len(part) for part in parts)
     with archive.open(entry, "w") as file:
-        if stride:
-            file._compressor = _Runs(stride)  # type: ignore[attr-defined]  # zipfile takes no other
+        if deflated:
+            file._compressor = _Whole()  # type: ignore[attr-defined]  # zipfile takes no other
         for part in parts:
             file.write(part)
 
@@ -70,8 +68,8 @@ class Npz(Format):
         record = json.dumps(frame.record, sort_keys=True).encode("utf-8")
         with zipfile.ZipFile(file, "w") as archive:
             for name, array in frame.arrays.items():
-                _add(archive, f"{name}.npy", npy_parts(array), stride_of(array))
-            _add(archive, _META, [record], 1)
+                _add(archive, f"{name}.npy", npy_parts(array), deflates(array))
+            _add(archive, _META, [record], True)
         return Encoded({f"{frame.key}.npz": file.getvalue()})
 
     def decode(self, info: Info, record: Record, read: Callable[[str], bytes]) -> dict[str, Array]:

@@ -28,23 +28,19 @@ def npy(array: Array) -> bytes:
     return b"".join(npy_parts(array))
 
 
-_LARGEST_STRIDE = 32768
 _PIECES, _PIECE = 16, 1024
 _WORTH = 0.5
 
 
-def stride_of(array: Array) -> int:
-    """Bytes of a pixel, or of a row of a table, by which to compress an array; 0: store it, since
-    deflate does not halve it. Of numbers that differ from pixel to pixel in all their bits, as
-    depths, it wins a sixth, and takes as long as rendering them. Tried on some bytes."""
+def deflates(array: Array) -> bool:
+    """Whether deflate halves an array: of numbers that differ from pixel to pixel in all their
+    bits, as depths, it wins a sixth, and takes as long as rendering them. Tried on some bytes."""
     _, data = npy_parts(array)
-    pixel = array.itemsize * (array.shape[2] if array.ndim == 3 else 1)
-    stride = pixel if 0 < pixel <= _LARGEST_STRIDE else 1
     if len(data) <= _PIECES * _PIECE:
-        return stride
+        return True
     step = (len(data) - _PIECE) // (_PIECES - 1)
     tried = b"".join(data[k * step : k * step + _PIECE] for k in range(_PIECES))
-    return stride if len(zlib.compress(tried, 1)) < _WORTH * len(tried) else 0
+    return len(zlib.compress(tried, 1)) < _WORTH * len(tried)
 
 
 def from_npy(data: bytes) -> Array:
