@@ -123,9 +123,9 @@ static void set_cover(const pl_cloud_place *seen, place *at) {
 }
 
 /* Sets the cloud properties seen by a footprint about the point. */
-static void cover_place(const cloud_item *item, pl_vec3 across, pl_vec3 along, bool tops,
+static void cover_place(const cloud_item *item, pl_vec3 across, pl_vec3 along, unsigned wants,
                         place *at) {
-  const pl_cloud_place seen = pl_cloud_place_at(&item->cover, at->point, across, along, tops);
+  const pl_cloud_place seen = pl_cloud_place_at(&item->cover, at->point, across, along, wants);
   set_cover(&seen, at);
 }
 
@@ -145,10 +145,10 @@ static pl_cloud_spot meet_shell(const cloud_item *item, const meeting *m, double
   return (pl_cloud_spot){out->point, across, along};
 }
 
-static void find_place(const cloud_item *item, const meeting *m, double t, float width_m, bool tops,
-                       place *out) {
+static void find_place(const cloud_item *item, const meeting *m, double t, float width_m,
+                       unsigned wants, place *out) {
   const pl_cloud_spot spot = meet_shell(item, m, t, width_m, out);
-  cover_place(item, spot.across, spot.along, tops, out);
+  cover_place(item, spot.across, spot.along, wants, out);
 }
 
 /* Transmittance of a covered point. Over the ground, all light that is not reflected counts, since
@@ -226,7 +226,7 @@ static void add_place(const cloud_item *item, const pl_snapshot *shot, const lig
 /* The same, averaged over parts x parts points of the footprint in the tangent plane at `at`. */
 static void look_closer(const cloud_item *item, const pl_snapshot *shot, const meeting *m, double t,
                         const pl_medium_ray *ray, const lighting *from, bool ground, place at,
-                        means *sum) {
+                        unsigned wants, means *sum) {
   const pl_shot_body *body = &shot->bodies[item->body];
   const double down = pl_vec3_dot(m->direction, at.normal);
   const pl_vec3 middle = at.point;
@@ -241,7 +241,7 @@ static void look_closer(const cloud_item *item, const pl_snapshot *shot, const m
     const double u = i % ray->parts - 0.5 * (ray->parts - 1);
     const double v = i / ray->parts - 0.5 * (ray->parts - 1);
     at.point = pl_vec3_madd(pl_vec3_madd(middle, u, side[0]), v, side[1]);
-    cover_place(item, side[0], side[1], from != NULL, &at);
+    cover_place(item, side[0], side[1], wants, &at);
     add_place(item, shot, from, &at, ground, part, sum);
   }
 }
@@ -254,13 +254,15 @@ static void cross_at(const cloud_item *item, const pl_media *media, const pl_sna
   lighting from;
   const bool lit = !ray->dark && ray->from_body != item->body;
   const float width_m = pl_beam_width(ray->beam, t);
-  find_place(item, m, t, width_m, !ray->dark, &at);
+  const unsigned wants =
+      (ray->dark ? 0u : PL_CLOUD_TOPS) | (ray->parts > 0 ? PL_CLOUD_UNSURE | PL_CLOUD_BOX : 0u);
+  find_place(item, m, t, width_m, wants, &at);
   if (!(at.cover > 0.0f))
     return;
   if (lit)
     from = light_place(item, shot, m, &at);
   if (ray->parts > 1)
-    look_closer(item, shot, m, t, ray, lit ? &from : NULL, ground, at, &mean);
+    look_closer(item, shot, m, t, ray, lit ? &from : NULL, ground, at, wants, &mean);
   else
     add_place(item, shot, lit ? &from : NULL, &at, ground, 1.0f, &mean);
   pl_medium_crossing crossing = {
@@ -313,7 +315,7 @@ static pl_vec3f toward_sun(const pl_media *media, const void *own, const pl_snap
         continue;
       place at;
       const float disc_m = 2.0f * sun->sin_radius * (float)m.t[k];
-      find_place(item, &m, m.t[k], width_m + disc_m, false, &at);
+      find_place(item, &m, m.t[k], width_m + disc_m, 0, &at);
       out = pl_vec3f_scale(out, passed_at(&at, below));
     }
   }

@@ -50,8 +50,8 @@ typedef struct pl_medium_ray {
   /* body on whose surface it starts, or PL_NO_BODY: light that its media scatter down is part of
    * pl_media_toward_sun, and is left out here */
   uint32_t from_body;
-  /* The beam of a pixel is split into parts x parts beams where that shows more than a filter does;
-   * 0 or 1: it is not split. `pixel`: change of the unit direction across the pixel, along its rows
+  /* Above 0: the ray is the only one of its pixel, whose beam is split into parts x parts beams
+   * where that shows more than a filter does; 1: it is not split. `pixel`: change of the unit direction across the pixel, along its rows
    * and columns. */
   int parts;
   pl_vec3 pixel[2];

@@ -240,12 +240,15 @@ static void warp(const pl_clouds *clouds, sight *sights, size_t count) {
   }
 }
 
-static void find_mean(const pl_cloud_cover *cover, sight *sight) {
+static void find_mean(const pl_cloud_cover *cover, unsigned wants, sight *sight) {
   const pl_clouds *clouds = cover->clouds;
   sight->mean = clouds->coverage;
   if (cover->map != NULL) {
     float value[4];
-    pl_body_map_sample(cover->map, &sight->place, PL_FILTER_FINEST, value);
+    if ((wants & PL_CLOUD_BOX) != 0)
+      pl_body_map_box(cover->map, &sight->place, PL_FILTER_FINEST, value);
+    else
+      pl_body_map_sample(cover->map, &sight->place, PL_FILTER_FINEST, value);
     sight->mean *= value[0];
   }
   sight->noisy = pl_clouds_noisy(clouds) && sight->mean > 0.0f &&
@@ -308,7 +311,7 @@ void pl_cloud_places(const pl_cloud_cover *cover, const pl_cloud_spot *spots, si
     sights[i] = sight_of(cover, &spots[i]);
   warp(cover->clouds, sights, count);
   for (size_t i = 0; i < count; i++) {
-    find_mean(cover, &sights[i]);
+    find_mean(cover, wants, &sights[i]);
     noisy |= sights[i].noisy;
   }
   pl_work_add(PL_WORK_cloud_octaves, count * (noisy ? 1 + (size_t)cover->detail : 1));
@@ -319,15 +322,15 @@ void pl_cloud_places(const pl_cloud_cover *cover, const pl_cloud_spot *spots, si
 }
 
 pl_cloud_place pl_cloud_place_at(const pl_cloud_cover *cover, pl_vec3 point, pl_vec3 across,
-                                 pl_vec3 along, bool tops) {
+                                 pl_vec3 along, unsigned wants) {
   const pl_cloud_spot spot = {point, across, along};
   pl_cloud_place out;
-  pl_cloud_places(cover, &spot, 1, PL_CLOUD_UNSURE | (tops ? PL_CLOUD_TOPS : 0u), &out);
+  pl_cloud_places(cover, &spot, 1, wants, &out);
   return out;
 }
 
 float pl_cloud_cover_at(const pl_cloud_cover *cover, pl_vec3 point, pl_vec3 across, pl_vec3 along) {
-  return pl_cloud_place_at(cover, point, across, along, false).cover;
+  return pl_cloud_place_at(cover, point, across, along, 0).cover;
 }
 
 double pl_clouds_detail_error(const pl_clouds *clouds, int detail, double width_m) {

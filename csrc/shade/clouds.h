@@ -61,19 +61,21 @@ typedef struct pl_cloud_place {
   pl_vec3f slope; /* slope of the tops: gradient of their height, body axes */
 } pl_cloud_place;
 
+/* What is asked of clouds beside cover and depth; the rest of pl_cloud_place is 0. TOPS: the slope.
+ * BOX: the map's mean is that of a box (pl_texture_box), for a pixel that has no other footprint.
+ */
+enum { PL_CLOUD_TOPS = 1, PL_CLOUD_UNSURE = 2, PL_CLOUD_BOX = 4 };
+
 /* Clouds over a footprint of extents `across` and `along` about a point of the shell, body axes, m.
  * Where the noise is high, clouds have a larger optical depth and higher tops; the median depth and
- * the mean slope of 0 are the same everywhere. `tops`: compute the slope. (Optical depths of cloud
- * fields are nearly log-normal: Barker, Wielicki and Parker 1996, Journal of the Atmospheric
- * Sciences 53, 2304.) */
+ * the mean slope of 0 are the same everywhere. (Optical depths of cloud fields are nearly
+ * log-normal: Barker, Wielicki and Parker 1996, Journal of the Atmospheric Sciences 53, 2304.) */
 pl_cloud_place pl_cloud_place_at(const pl_cloud_cover *cover, pl_vec3 point, pl_vec3 across,
-                                 pl_vec3 along, bool tops);
+                                 pl_vec3 along, unsigned wants);
 /* A footprint on the shell: its point and extents, body axes, m. */
 typedef struct pl_cloud_spot {
   pl_vec3 point, across, along;
 } pl_cloud_spot;
-/* What is asked of clouds beside cover and depth; the rest of pl_cloud_place is 0. */
-enum { PL_CLOUD_TOPS = 1, PL_CLOUD_UNSURE = 2 };
 /* The same of up to PL_LANES footprints, which cost less together; of the same bits. */
 void pl_cloud_places(const pl_cloud_cover *cover, const pl_cloud_spot *spots, size_t count,
                      unsigned wants, pl_cloud_place *out);
