@@ -456,6 +456,43 @@ static void activate(uint32_t pixel, bool mesh, pl_tile_buffers *b) {
   b->active[b->active_meshes++] = pixel;
 }
 
+/* Largest difference of prefiltered luminance to the neighbours of the tile whose centres show the
+ * same body. */
+static float uneven_at(const pl_path_context *context, uint32_t pixel, const pl_tile_buffers *b) {
+  static const int sides[4][2] = {{-1, 0}, {1, 0}, {0, -1}, {0, 1}};
+  const int x = (int)(pixel % PL_TILE_SIDE), y = (int)(pixel / PL_TILE_SIDE);
+  const float own = pl_luminance(b->prefiltered[pixel]);
+  float most = 0.0f;
+  for (int k = 0; k < 4; k++) {
+    const int u = x + sides[k][0], v = y + sides[k][1];
+    if (u < 0 || v < 0 || u >= context->tile.width || v >= context->tile.height)
+      continue;
+    const uint32_t other = (uint32_t)(v * PL_TILE_SIDE + u);
+    if (pl_surface_same(b->prefiltered_id[other], b->prefiltered_id[pixel]))
+      most = pl_maxf(most, fabsf(pl_luminance(b->prefiltered[other]) - own));
+  }
+  return most;
+}
+
+/* Has every sample shaded in pixels of which something else may hide a part, where neighbours tell
+ * that the body's light varies: the mean over the part that is seen is not that over the pixel. */
+static void refuse_parts(const pl_path_context *context, pl_tile_buffers *b) {
+  const pl_render_settings *settings = context->settings;
+  bool refused[PL_TILE_PIXELS] = {false};
+  for (size_t i = 0; i < b->active_count; i++) {
+    const uint32_t pixel = b->active[i];
+    if (b->single[pixel] || pl_surface_is_none(b->prefiltered_id[pixel]))
+      continue;
+    const float seen = pl_luminance(b->prefiltered[pixel]);
+    /* half of it, as the parts of a pixel are half a pixel from its centre at most */
+    refused[pixel] =
+        pl_path_error_dn(settings, seen, 0.5f * uneven_at(context, pixel, b)) > settings->noise_dn;
+  }
+  for (size_t i = 0; i < b->active_count; i++)
+    if (refused[b->active[i]])
+      b->prefiltered_id[b->active[i]] = PL_NO_SURFACE;
+}
+
 void pl_path_prefilter(const pl_path_context *context, pl_tile_buffers *b) {
   /* If few pixels have a sample in the slice, tracing them is cheaper than testing all centres. */
   const pl_slice *slice = context->settings->slice;
@@ -478,4 +515,5 @@ void pl_path_prefilter(const pl_path_context *context, pl_tile_buffers *b) {
     if (mesh || !finish_pixel(context, pixel, covered[pixel], b))
       activate(pixel, mesh, b);
   }
+  refuse_parts(context, b);
 }

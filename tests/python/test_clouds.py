@@ -13,6 +13,7 @@ from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
+import perilune
 from perilune import Simulation, _core
 from perilune import document as cfg
 from perilune.bodies import atmospheres, clouds
@@ -233,6 +234,34 @@ def test_pictures_of_fewer_samples_are_within_the_tolerance() -> None:
     off = np.abs(pictures[0] - pictures[1])
     assert np.quantile(off, 0.98) <= 5.0
     assert off.mean() < 1.0
+
+
+def test_a_map_as_fine_as_pixels_has_its_mean_in_them(repo_dir: Path) -> None:
+    """Pixels are shaded at once, with a mean of the map over each; but where a craft hides a part
+    of one, the mean of the rest is asked for."""
+    scene = {
+        "camera.width": 20,
+        "camera.height": 15,
+        "camera.exposure": {"mode": "fixed", "white_radiance_w_m2_sr": 320.0},
+        "bodies.planet.ocean": None,
+        "bodies.planet.atmosphere": None,
+        "bodies.planet.clouds.noise": None,
+        "render.samples": 64,
+    }
+    channels = ["rgb", "coverage", "coverage_instance"]
+    planned, exact = (
+        perilune.open(
+            repo_dir / "configs/demo.yaml", overrides={**scene, "render.tolerance_dn": tolerance}
+        ).frame(0, channels, threads=1)
+        for tolerance in (1.0, 0.0)
+    )
+    off = np.abs(planned["rgb"].astype(float) - exact["rgb"]).mean(axis=-1)
+    share = np.where(exact["coverage_instance"] == 1, exact["coverage"], 0.0).sum(axis=-1)
+    whole, part = off[share > 0.99], off[(share > 0.4) & (share <= 0.99)]
+    assert len(whole) > 150
+    assert np.sqrt(np.mean(whole**2)) < 2.2  # 3.4 with a wider filter of the map
+    assert len(part) > 20
+    assert part.max() < 6.0  # 14.7 with the mean of the whole pixel
 
 
 def test_same_bits_for_any_threads() -> None:
