@@ -51,8 +51,8 @@ typedef struct pl_medium_ray {
    * pl_media_toward_sun, and is left out here */
   uint32_t from_body;
   /* Above 0: the ray is the only one of its pixel, whose beam is split into parts x parts beams
-   * where that shows more than a filter does; 1: it is not split. `pixel`: change of the unit direction across the pixel, along its rows
-   * and columns. */
+   * where that shows more than a filter does; 1: it is not split. `pixel`: change of the unit
+   * direction across the pixel, along its rows and columns. */
   int parts;
   pl_vec3 pixel[2];
 } pl_medium_ray;
