@@ -161,7 +161,7 @@ def test_the_sun_of_apollo_15_rises_over_mountains(data_dir: Path) -> None:
     over = away[1:] * np.cos(angle) - away[0]
     seen_deg = np.degrees(np.arctan2(over, away[1:] * np.sin(angle)))
     assert 6.0 < seen_deg.max() < 7.0
-    assert 2.2e4 < RADIUS_M * angle[seen_deg.argmax()] < 2.4e4
+    assert 2.2e4 < RADIUS_M * angle[seen_deg.argmax()] < 2.5e4  # a ridge of two kilometres
     for sun_deg, least, most in ((5.0, 1.0, 1.0), (9.0, 0.0, 0.4)):
         turned = sim.with_overrides({"sun.at.elevation_deg": sun_deg})
         sample = turned.frame(0, ["shadow", "range"])

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Any
 
-from pydantic import AfterValidator, BeforeValidator, Field, model_validator
+from pydantic import AfterValidator, BeforeValidator, Field, WithJsonSchema, model_validator
 
 from perilune.config.errors import fail, nearest
 from perilune.config.names import problem_of
@@ -42,7 +42,12 @@ def _named(name: str) -> str:
     return name
 
 
-Level = Annotated[str, AfterValidator(_named)]
+Level = Annotated[
+    str,
+    AfterValidator(_named),
+    # Schemas know no classes of letters in common: what is certainly none.
+    WithJsonSchema({"type": "string", "pattern": r"^[^\s\d./\\:-][^\s./\\:]*$"}),
+]
 ClassName = Annotated[str, Field(min_length=1)]
 ClassPatterns = dict[ClassName, tuple[str, ...]]
 """Class -> shell patterns on part names, material names or `part/material`; the first that

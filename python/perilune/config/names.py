@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import unicodedata
 
-RULE = "a name is letters of any script, digits, _ and -, no digit or - first"
+RULE = "a name is letters of any script, digits, _ and -, no digit first, nor -"
 
 
 def problem_of(name: str) -> str | None:
