@@ -16,140 +16,60 @@ from numpy.typing import NDArray
 
 from perilune._core_files import (
     deflate as deflate,
-)
-from perilune._core_files import (
     exr_decode as exr_decode,
-)
-from perilune._core_files import (
     exr_encode as exr_encode,
-)
-from perilune._core_files import (
     gltf_graphs as gltf_graphs,
-)
-from perilune._core_files import (
     png_encode as png_encode,
-)
-from perilune._core_files import (
     png_grey as png_grey,
-)
-from perilune._core_files import (
     png_write as png_write,
-)
-from perilune._core_files import (
     simplify as simplify,
 )
 from perilune._core_light import (
     band_gather as band_gather,
-)
-from perilune._core_light import (
     cloud_cover as cloud_cover,
-)
-from perilune._core_light import (
     sunlight as sunlight,
 )
 from perilune._core_orbit import (
     FORCES as FORCES,
-)
-from perilune._core_orbit import (
     TURNS as TURNS,
-)
-from perilune._core_orbit import (
     Propagator as Propagator,
-)
-from perilune._core_orbit import (
     Tree as Tree,
 )
 from perilune._core_records import (
     AirSettings as AirSettings,
-)
-from perilune._core_records import (
     BandLight as BandLight,
-)
-from perilune._core_records import (
     Channel as Channel,
-)
-from perilune._core_records import (
     CloudSettings as CloudSettings,
-)
-from perilune._core_records import (
     Constant as Constant,
-)
-from perilune._core_records import (
     Exposure as Exposure,
-)
-from perilune._core_records import (
     FrameRequest as FrameRequest,
-)
-from perilune._core_records import (
     FrameResult as FrameResult,
-)
-from perilune._core_records import (
     Ground as Ground,
-)
-from perilune._core_records import (
     GroundUse as GroundUse,
-)
-from perilune._core_records import (
     LensModel as LensModel,
-)
-from perilune._core_records import (
     NodeKind as NodeKind,
-)
-from perilune._core_records import (
     PlanRow as PlanRow,
-)
-from perilune._core_records import (
     Quality as Quality,
-)
-from perilune._core_records import (
     SeenStars as SeenStars,
-)
-from perilune._core_records import (
     Socket as Socket,
 )
 from perilune._core_scan import (
     EVENT as EVENT,
-)
-from perilune._core_scan import (
     LIDAR_RETURN as LIDAR_RETURN,
-)
-from perilune._core_scan import (
     RAY_SOURCES as RAY_SOURCES,
-)
-from perilune._core_scan import (
     TIME_OF_FLIGHT_PIXEL as TIME_OF_FLIGHT_PIXEL,
-)
-from perilune._core_scan import (
     source_extent as source_extent,
-)
-from perilune._core_scan import (
     source_rays as source_rays,
 )
 from perilune._core_terrain import (
     ClodSettings as ClodSettings,
-)
-from perilune._core_terrain import (
     CraterField as CraterField,
-)
-from perilune._core_terrain import (
     MottlingSettings as MottlingSettings,
-)
-from perilune._core_terrain import (
     Raster as Raster,
-)
-from perilune._core_terrain import (
     RockField as RockField,
-)
-from perilune._core_terrain import (
     RockScan as RockScan,
-)
-from perilune._core_terrain import (
     Terrain as Terrain,
-)
-from perilune._core_terrain import (
     clods as clods,
-)
-from perilune._core_terrain import (
     mottling as mottling,
 )
 

@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING, Any
 from perilune.base.arguments import whole
 from perilune.base.processors import default_threads
 from perilune.base.workers import in_torch_worker, torch_worker
-from perilune.opening import ConfigSource
-from perilune.opening import open as open_simulation
+from perilune.opening import ConfigSource, open as open_simulation
 from perilune.sample import Sample
 from perilune.training.batches import collate, tell_torch
 from perilune.training.ledger import Ledger

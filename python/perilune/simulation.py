@@ -54,8 +54,7 @@ from perilune.sample import Sample
 from perilune.sky.skies import seen
 from perilune.spacecraft import articulation
 from perilune.spacecraft.parts import Partition
-from perilune.world import World
-from perilune.world import build as build_world
+from perilune.world import World, build as build_world
 
 if TYPE_CHECKING:
     from perilune.show.graphs import GraphPicture

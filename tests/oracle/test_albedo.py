@@ -12,8 +12,7 @@ from collections.abc import Callable
 import mitsuba
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from perilune import _core
 

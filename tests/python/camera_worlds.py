@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from perilune import document as cfg
-from perilune import world
+from perilune import document as cfg, world
 from perilune.base import rotations
 from perilune.camera import trajectories
 from perilune.orbits import solar_system

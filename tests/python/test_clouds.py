@@ -8,14 +8,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given as hypothesis_given
-from hypothesis import settings as hypothesis_settings
-from hypothesis import strategies as st
+from hypothesis import given as hypothesis_given, settings as hypothesis_settings, strategies as st
 from pydantic import ValidationError
 
 import perilune
-from perilune import Simulation, _core
-from perilune import document as cfg
+from perilune import Simulation, _core, document as cfg
 from perilune.bodies import atmospheres, clouds
 from perilune.config.atmosphere import Atmosphere
 from perilune.config.clouds import CloudNoise, Clouds

@@ -11,8 +11,7 @@ import DracoPy
 import meshoptimizer
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from numpy.typing import NDArray
 from tests.fuzz.make_corpus import Buffer, as_glb
 from tests.python.gltf_reference import meshopt_filter

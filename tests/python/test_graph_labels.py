@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 from tests.python.optics_scenes import at, ball, opened, tree
-from tests.python.shape_scenes import ball as shape_ball
-from tests.python.shape_scenes import write_obj
+from tests.python.shape_scenes import ball as shape_ball, write_obj
 
 import perilune
 from perilune.config import ConfigError

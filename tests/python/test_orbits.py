@@ -16,8 +16,7 @@ from typing import Any
 import erfa
 import numpy as np
 import pytest
-from hypothesis import assume, given
-from hypothesis import strategies as st
+from hypothesis import assume, given, strategies as st
 
 from perilune import _core
 

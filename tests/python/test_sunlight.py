@@ -11,8 +11,7 @@ import erfa
 import mpmath
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 from tests.hard.glb import write_glb

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
-from perilune import document as cfg
-from perilune import world
+from perilune import document as cfg, world
 from perilune.base.timeline import Moment, Timeline
 from perilune.config import ConfigError
 from perilune.document.loader import read_tree

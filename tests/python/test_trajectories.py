@@ -7,8 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from perilune import document as cfg
-from perilune import world
+from perilune import document as cfg, world
 from perilune.base import rotations
 from perilune.camera import trajectories
 from perilune.document.loader import read_tree

@@ -6,8 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
-from hypothesis import strategies as st
+from hypothesis import assume, given, settings, strategies as st
 from tests.python.camera_worlds import RADIUS_M, columns, offsets, worlds
 
 from perilune.base import rotations

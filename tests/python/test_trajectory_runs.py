@@ -6,14 +6,12 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 from tests.python.camera_worlds import RADIUS_M, close, columns, offsets, orbit_axes, worlds
 
-from perilune import _core
-from perilune import document as cfg
+from perilune import _core, document as cfg
 from perilune.camera import trajectories
 from perilune.camera.trajectories.relative import clohessy_wiltshire, ellipse_state
 from perilune.config import ConfigError

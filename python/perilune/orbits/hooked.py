@@ -13,8 +13,7 @@ from perilune.base import arguments, hooks, rotations
 from perilune.base.hooks import Hook
 from perilune.config import Config
 from perilune.config.errors import ConfigError, nearest
-from perilune.config.orbit import Drawn
-from perilune.config.orbit import Hook as HookOrbit
+from perilune.config.orbit import Drawn, Hook as HookOrbit
 from perilune.orbits.drawn import run_through, start_rev
 from perilune.orbits.kinds.circular import path
 from perilune.orbits.place import Motion, Place

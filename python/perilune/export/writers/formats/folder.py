@@ -14,8 +14,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from perilune.document.references import OBJECTS
-from perilune.document.references import TABLES as SAMPLE_TABLES
+from perilune.document.references import OBJECTS, TABLES as SAMPLE_TABLES
 from perilune.export.writers.bop_channels import TABLES
 from perilune.export.writers.config_file import CONFIG_FILE, config_entry, config_text
 from perilune.export.writers.files import (
