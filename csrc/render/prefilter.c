@@ -474,12 +474,12 @@ static float uneven_at(const pl_path_context *context, uint32_t pixel, const pl_
   return most;
 }
 
-/* Has every sample shaded in pixels of which something else may hide a part, where neighbours tell
+/* Has every sample shaded in pixels of which a mesh may hide a part, where neighbours tell
  * that the body's light varies: the mean over the part that is seen is not that over the pixel. */
 static void refuse_parts(const pl_path_context *context, pl_tile_buffers *b) {
   const pl_render_settings *settings = context->settings;
   bool refused[PL_TILE_PIXELS] = {false};
-  for (size_t i = 0; i < b->active_count; i++) {
+  for (size_t i = 0; i < b->active_meshes; i++) {
     const uint32_t pixel = b->active[i];
     if (b->single[pixel] || pl_surface_is_none(b->prefiltered_id[pixel]))
       continue;
@@ -488,7 +488,7 @@ static void refuse_parts(const pl_path_context *context, pl_tile_buffers *b) {
     refused[pixel] =
         pl_path_error_dn(settings, seen, 0.5f * uneven_at(context, pixel, b)) > settings->noise_dn;
   }
-  for (size_t i = 0; i < b->active_count; i++)
+  for (size_t i = 0; i < b->active_meshes; i++)
     if (refused[b->active[i]])
       b->prefiltered_id[b->active[i]] = PL_NO_SURFACE;
 }
