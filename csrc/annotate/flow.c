@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "annotate/channel.h"
+#include "annotate/clear_view.h"
 #include "render/tile.h"
 
 static const struct {
@@ -41,11 +42,20 @@ typedef struct row {
 typedef struct rays {
   size_t count;
   int x[PL_TILE_SIDE];
+  bool meshes[PL_TILE_SIDE]; /* whether it may meet one */
   pl_sight_query queries[PL_TILE_SIDE];
 } rays;
 
 static uint8_t *hidden_of(const pl_flow *flow, pl_flow_to which) {
   return flow->images[which == PL_FLOW_NEXT ? PL_FLOW_OCCLUDED_FORWARD : PL_FLOW_OCCLUDED_BACKWARD];
+}
+
+/* Adds the ray to a sight at a point of the picture, unless the surface turns its other side. */
+static void add_ray(const pl_sight_frame *to, const pl_sight *s, int x, const double pixel[2],
+                    pl_sight_memo *memo, rays *rays) {
+  rays->x[rays->count] = x;
+  rays->meshes[rays->count] = pl_sight_may_meet_mesh(to, pixel);
+  rays->count += pl_sight_look(to, s, memo, &rays->queries[rays->count]);
 }
 
 /* Writes a pixel of the images that lead to one frame. What a ray must tell of occlusion is added
@@ -67,9 +77,8 @@ static void write_pixel(const pl_flow *flow, pl_flow_to which, const row *row, i
     out[2 * at + k] = known ? (float)(pixel[k] - from[k]) : NAN;
   if (hidden != NULL) {
     hidden[at] = true;
-    rays->x[rays->count] = x;
-    rays->count += known && pl_pixel_in_image(&to->shot->rays.camera, pixel) &&
-                   pl_sight_look(to, s, memo, &rays->queries[rays->count]);
+    if (known && pl_pixel_in_image(&to->shot->rays.camera, pixel))
+      add_ray(to, s, x, pixel, memo, rays);
   }
   if (moved == NULL)
     return;
@@ -79,13 +88,31 @@ static void write_pixel(const pl_flow *flow, pl_flow_to which, const row *row, i
   moved[3 * at + 2] = point ? (float)(there.z - row->here[x].z) : NAN;
 }
 
+/* Casts the rays. What a ray cannot meet is left out, but a packet that may meet a mesh keeps all
+ * of its rays, since rounding depends on them. */
+static void cast(const pl_sight_frame *to, const row *row, const rays *rays,
+                 pl_hit hits[PL_TILE_SIDE]) {
+  pl_ray asked[PL_TILE_SIDE];
+  pl_bodies_near near;
+  pl_bodies_near_find(to->shot, rays->queries, rays->count, &near);
+  for (size_t i = 0; i < rays->count; i++) {
+    asked[i] = rays->queries[i].ray;
+    if (!pl_bodies_near_hide(to->shot, &near, &row->sights[rays->x[i]], &rays->queries[i]))
+      asked[i].skip_body = PL_EVERY_ELLIPSOID;
+  }
+  for (size_t i = 0; i < rays->count; i += PL_TRACER_PACKET) {
+    const size_t left = rays->count - i, count = left < PL_TRACER_PACKET ? left : PL_TRACER_PACKET;
+    bool meshes = false;
+    for (size_t k = i; k < i + count; k++)
+      meshes |= rays->meshes[k];
+    pl_tracer_closest(to->tracer, asked + i, hits + i, count, true, meshes);
+  }
+}
+
 /* Writes which pixels of a row are hidden in another frame, as far as rays tell. */
 static void trace(const pl_sight_frame *to, const row *row, const rays *rays, uint8_t *hidden) {
-  pl_ray asked[PL_TILE_SIDE];
   pl_hit hits[PL_TILE_SIDE];
-  for (size_t i = 0; i < rays->count; i++)
-    asked[i] = rays->queries[i].ray;
-  pl_tracer_closest(to->tracer, asked, hits, rays->count, true, true);
+  cast(to, row, rays, hits);
   for (size_t i = 0; i < rays->count; i++) {
     const int x = rays->x[i];
     hidden[row->at + (size_t)x] =

@@ -36,6 +36,12 @@ typedef struct pl_flow {
 /* Finds the images among those of pl_channels; without frames. Returns false if there are none. */
 bool pl_flow_init(void *const *channels, pl_flow *out);
 
+/* Whether an image needs to know what hides points there. */
+static inline bool pl_flow_wants_hidden(const pl_flow *flow, pl_flow_to to) {
+  return flow->images[to == PL_FLOW_NEXT ? PL_FLOW_OCCLUDED_FORWARD : PL_FLOW_OCCLUDED_BACKWARD] !=
+         NULL;
+}
+
 /* Writes all images of a tile (x0, y0, width, height), with `stride` points a row. `shot`: that of
  * the tile's instant. `points` NULL: nothing is hit. */
 void pl_flow_write(const pl_flow *flow, const pl_snapshot *shot, const pl_point *points,

@@ -4,6 +4,7 @@
 #define PL_ANNOTATE_SIGHT_H
 
 #include "math/affine.h"
+#include "render/coverage_mask.h"
 #include "render/vertex.h"
 #include "scene/scene.h"
 
@@ -16,6 +17,8 @@ typedef struct pl_sight_frame {
   bool rows;               /* its rows are exposed one after the other */
   const pl_snapshot *shot; /* in the middle of its exposure; borrowed */
   const pl_tracer *tracer; /* of this snapshot; borrowed */
+  /* borrowed; where meshes may be in the picture of the snapshot; NULL: anywhere */
+  const pl_coverage *meshes;
 } pl_sight_frame;
 
 typedef struct pl_sight {

@@ -4,7 +4,7 @@
 
 static pl_status make_frame(pl_renderer *renderer, const pl_frame_request *request,
                             const pl_other_frame *other, const pl_choice *choice, bool rolls,
-                            const pl_sight_frame **out) {
+                            pl_coverage *meshes, const pl_sight_frame **out) {
   pl_choice labels = pl_choice_of_labels(choice);
   labels.settings.effects.far_casters = 0; /* nothing is lit */
   labels.culls = false;                    /* what is hidden there is looked for */
@@ -14,6 +14,9 @@ static pl_status make_frame(pl_renderer *renderer, const pl_frame_request *reque
   PL_TRY(pl_placement_check(renderer->scene, &other->placement));
   PL_TRY(pl_survey_place(renderer->scene, request, &other->placement, arena, &survey));
   PL_TRY(pl_realise(renderer->accelerators, &survey, &labels, arena, &instant));
+  if (meshes != NULL)
+    PL_TRY(pl_coverage_update(meshes, &instant->shot, 0, instant->shot.rays.camera.height, 1,
+                              request->threads));
   pl_sight_frame *made = pl_arena_alloc(arena, 1, sizeof *made);
   if (made == NULL)
     return pl_fail(PL_E_MEMORY, "out of memory for another frame");
@@ -21,7 +24,8 @@ static pl_status make_frame(pl_renderer *renderer, const pl_frame_request *reque
                            .changed = other->changed,
                            .rows = rolls && other->placement.shutter.line_s > 0.0,
                            .shot = &instant->shot,
-                           .tracer = instant->tracer};
+                           .tracer = instant->tracer,
+                           .meshes = meshes};
   *out = made;
   return PL_OK;
 }
@@ -34,9 +38,13 @@ pl_status pl_frame_flow(pl_renderer *renderer, const pl_frame_request *request, 
     return PL_OK;
   /* As in this frame: where its plan takes all rows at once, so does the other. */
   const bool rolls = pl_moving_rolls(request, plan);
-  for (int to = 0; to < PL_FLOW_FRAMES; to++)
+  for (int to = 0; to < PL_FLOW_FRAMES; to++) {
+    pl_coverage *meshes =
+        pl_flow_wants_hidden(&found, (pl_flow_to)to) ? &renderer->label_tools.others[to] : NULL;
     if (found.wanted[to] && request->others[to] != NULL)
-      PL_TRY(make_frame(renderer, request, request->others[to], choice, rolls, &found.frames[to]));
+      PL_TRY(make_frame(renderer, request, request->others[to], choice, rolls, meshes,
+                        &found.frames[to]));
+  }
   pl_flow *made = pl_arena_alloc(&renderer->arena, 1, sizeof *made);
   if (made == NULL)
     return pl_fail(PL_E_MEMORY, "out of memory for labels of motion");

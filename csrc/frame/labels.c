@@ -7,7 +7,7 @@
 #include "base/memory.h"
 
 void pl_label_tools_init(pl_label_tools *tools) {
-  tools->solo = NULL;
+  *tools = (pl_label_tools){.solo = NULL};
   pl_cluster_cache_init(&tools->clusters);
   pl_adjacency_cache_init(&tools->adjacencies);
 }
@@ -16,6 +16,8 @@ void pl_label_tools_clear(pl_label_tools *tools) {
   pl_solo_destroy(tools->solo);
   pl_cluster_cache_clear(&tools->clusters);
   pl_adjacency_cache_clear(&tools->adjacencies);
+  for (int to = 0; to < PL_FLOW_FRAMES; to++)
+    pl_coverage_clear(&tools->others[to]);
   pl_label_tools_init(tools);
 }
 

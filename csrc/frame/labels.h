@@ -29,6 +29,7 @@ typedef struct pl_label_tools {
   pl_solo *solo;
   pl_cluster_cache clusters;
   pl_adjacency_cache adjacencies;
+  pl_coverage others[PL_FLOW_FRAMES]; /* where meshes may be in other frames */
 } pl_label_tools;
 void pl_label_tools_init(pl_label_tools *tools);
 void pl_label_tools_clear(pl_label_tools *tools); /* call before the accelerators are destroyed */
