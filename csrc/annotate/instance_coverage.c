@@ -81,16 +81,18 @@ static pl_ray ray_of(const pl_snapshot *shot, const double offset[2], int x, int
   return (pl_ray){.t_max = -1.0, .direction = {0.0, 0.0, 1.0}, .skip_body = PL_EVERY_ELLIPSOID};
 }
 
-/* Adds the other rays of a pixel; the first is that through its centre. */
-static void cast(const pl_snapshot *shot, const pl_tracer *tracer, int samples,
+/* Adds the other rays of a pixel; the first is that through its centre. No ray that
+ * pl_image_sample_offset can choose meets a mesh that the mask does not tell. */
+static void cast(const pl_snapshot *shot, const pl_tile_result *result, int samples,
                  const offset_list offsets, int x, int y, tally *t) {
+  const bool meshes = pl_coverage_pixel(result->coverage, x, y);
   pl_ray rays[RUN];
   pl_hit hits[RUN];
   for (int from = 1; from < samples; from += RUN) {
     const int count = samples - from < RUN ? samples - from : RUN;
     for (int i = 0; i < count; i++)
       rays[i] = ray_of(shot, offsets[from + i], x, y);
-    pl_tracer_closest(tracer, rays, hits, (size_t)count, true, true);
+    pl_tracer_closest(result->tracer, rays, hits, (size_t)count, true, meshes);
     for (int i = 0; i < count; i++)
       add(shot, hits[i].surface_id, t);
   }
@@ -102,7 +104,7 @@ static void look(const pl_instance_coverage *coverage, const pl_snapshot *shot,
   const pl_tile tile = result->tile;
   t->count = 0;
   add(shot, result->points[y * PL_TILE_SIDE + x].surface_id, t);
-  cast(shot, result->tracer, coverage->settings.samples, offsets, tile.x0 + x, tile.y0 + y, t);
+  cast(shot, result, coverage->settings.samples, offsets, tile.x0 + x, tile.y0 + y, t);
 }
 
 /* The largest first; of equal ones the lower id. */
