@@ -117,6 +117,7 @@ static int frame_of(PyObject *settings, pl_rock_frame *frame, double **table) {
                  {"least_burial", &frame->least_burial},
                  {"most_burial", &frame->most_burial},
                  {"repose_rad", &frame->repose_rad},
+                 {"fillet", &frame->fillet},
                  {"ejecta_at_rim", &frame->ejecta.at_rim},
                  {"ejecta_life_ga", &frame->ejecta.craters.life_ga},
                  {"ejecta_least_crater_m", &frame->ejecta.craters.least_m}};

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "terrain/cone.h"
 #include "terrain/crater_cells.h"
 
 /* What most tests need of a crater over a block; apart, so that it stays in the nearest cache. */
@@ -231,20 +232,6 @@ static pl_status add_all(gathered *all, const pl_vec3 *directions, size_t count,
   return PL_OK;
 }
 
-/* A cone that contains the directions. */
-static void cone_of(const pl_vec3 *directions, size_t count, pl_crater_query *query) {
-  pl_vec3 sum = {0.0, 0.0, 0.0};
-  for (size_t k = 0; k < count; k++)
-    sum = pl_vec3_add(sum, directions[k]);
-  query->axis = pl_vec3_norm(sum) > 0.0 ? pl_vec3_unit(sum) : directions[0];
-  double chord2 = 0.0;
-  for (size_t k = 0; k < count; k++) {
-    const pl_vec3 to = pl_vec3_sub(directions[k], query->axis);
-    chord2 = fmax(chord2, pl_vec3_dot(to, to));
-  }
-  query->angle_rad = 2.0 * asin(fmin(0.5 * sqrt(chord2), 1.0));
-}
-
 /* Radius of a block over its footprint beyond which it is halved: far more craters would touch it
  * than each of its points. */
 #define WIDEST_BLOCK 128.0
@@ -254,11 +241,13 @@ pl_status pl_crater_add_heights(const pl_crater_field *field, const pl_crater_mo
                                 double *heights) {
   if (count == 0)
     return PL_OK;
+  const pl_cone cone = pl_cone_of(directions, count);
   pl_crater_query query = {.model = model,
+                           .axis = cone.axis,
+                           .angle_rad = cone.angle_rad,
                            .reach = PL_CRATER_REACH * field->stretch,
                            .min_m = PL_CRATER_FADE_FROM * footprint_m,
                            .max_m = INFINITY};
-  cone_of(directions, count, &query);
   const double finest_m = fmax(footprint_m, field->frame.min_m / PL_CRATER_FADE_FROM);
   if (count > 1 && query.angle_rad * field->frame.radius_m > WIDEST_BLOCK * finest_m) {
     const size_t half = count / 2;

@@ -110,8 +110,8 @@ pl_status pl_ground_tile_need_place(const pl_ground_tile_need *need, pl_ground_t
     at[k] = extent_of(&nodes[k]);
     up[k] = pl_cube_tangent_direction(nodes[k].face, at[k].x[1], at[k].y[1]);
   }
-  PL_TRY(pl_terrain_heights(need->terrain, up, (size_t)count, nodes[0].level + HEIGHT_LEVELS,
-                            heights_m));
+  PL_TRY(pl_terrain_heights_below_fillets(need->terrain, up, (size_t)count,
+                                          nodes[0].level + HEIGHT_LEVELS, heights_m));
   for (int k = 0; k < count; k++)
     place(need, &nodes[k], &at[k], up[k], heights_m[k]);
   return PL_OK;

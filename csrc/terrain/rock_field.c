@@ -82,6 +82,9 @@ static pl_status check_frame(const pl_rock_frame *frame) {
   if (!(frame->repose_rad > 0.0 && frame->repose_rad < 0.5 * PL_PI))
     return pl_fail(PL_E_RANGE, "repose_rad = %g of rocks; must be above 0 and below pi/2",
                    frame->repose_rad);
+  if (!(frame->fillet >= 0.0 && frame->fillet <= PL_ROCK_FILLET_MOST))
+    return pl_fail(PL_E_RANGE, "fillet = %g of rocks; must be from 0 to %g", frame->fillet,
+                   PL_ROCK_FILLET_MOST);
   PL_TRY(check_families(frame));
   PL_TRY(pl_rock_law_check(&frame->law, frame->min_m, frame->max_m));
   PL_TRY(check_ejecta(&frame->ejecta));

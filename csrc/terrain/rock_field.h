@@ -24,6 +24,9 @@
 /* The ground passes through a rock within this part of the way from its middle to its outline. */
 #define PL_ROCK_CONTACT 0.5
 
+/* Greatest mean height of fillets (terrain/rock_fillets.h) over that of their rocks. */
+#define PL_ROCK_FILLET_MOST 0.3
+
 /* Least size of the rocks that tiles of ground show, in cells. */
 #define PL_ROCK_CELLS 2.0
 
@@ -41,7 +44,8 @@ typedef struct pl_rock_frame {
   /* Parts of the heights that are below the ground, drawn uniformly; 0.05 to 0.9. Fresh rocks have
    * 0.05 to 0.2, old ones 0.3 to 0.7. */
   double least_burial, most_burial;
-  double repose_rad;                 /* on steeper slopes there are none; (0, pi/2) */
+  double repose_rad; /* on steeper slopes there are none; (0, pi/2) */
+  double fillet; /* mean height of the soil at their feet over theirs; 0 to PL_ROCK_FILLET_MOST */
   double families[PL_ROCK_FAMILIES]; /* shares of the families, of any sum above 0 */
   const pl_rock_scan *const *scans;  /* borrowed: shapes of PL_ROCK_MODEL, all in equal shares */
   size_t scan_count;                 /* up to PL_ROCK_VARIANTS */

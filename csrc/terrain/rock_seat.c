@@ -50,7 +50,7 @@ static void find_ground(const footing *at, pl_vec3 *points, size_t count) {
   double heights[1 + RING];
   for (size_t k = 0; k < count; k++)
     directions[k] = pl_vec3_unit(pl_vec3_madd(at->direction, 1.0 / at->radius_m, points[k]));
-  pl_terrain_heights(at->terrain, directions, count, at->level, heights);
+  pl_terrain_heights_below_fillets(at->terrain, directions, count, at->level, heights);
   for (size_t k = 0; k < count; k++)
     points[k] =
         pl_vec3_scale(directions[k], pl_terrain_datum_m(at->terrain, directions[k]) + heights[k]);

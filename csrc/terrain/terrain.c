@@ -6,7 +6,7 @@
 #include <stdlib.h>
 
 #include "base/memory.h"
-#include "terrain/rock_field.h"
+#include "terrain/rock_fillets.h"
 #include "terrain/sub_cell.h"
 #include "terrain/terrain_parts.h"
 
@@ -322,6 +322,8 @@ void pl_terrain_bounds(const pl_terrain *terrain, double *low_m, double *high_m)
     *low_m += below_m;
     *high_m += above_m;
   }
+  if (terrain->rocks != NULL)
+    *high_m += pl_rock_fillets_bound_m(terrain->rocks);
   for (size_t n = 0; n < terrain->texture_count; n++) {
     *low_m -= pl_ground_texture_bound_m(&terrain->textures[n]);
     *high_m += pl_ground_texture_bound_m(&terrain->textures[n]);

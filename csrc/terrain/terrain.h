@@ -5,7 +5,8 @@
  * of a level of the cube's lattice (`terrain/cube.h`), which says how much is drawn: the same bits
  * alone, in any block, on any thread.
  *
- *     h(d) = layers blended of U(Z)(d) + q(d) - U(q)(d), + craters(d) + textures(d) + tracks(d)
+ *     h(d) = layers blended of U(Z)(d) + q(d) - U(q)(d),
+ *            + textures(d) + tracks(d) + craters(d) + fillets(d)
  *
  * U interpolates a raster's posts Z, or means of them where cells of the lattice are wider. q is
  * the detail (`terrain/fractal_detail.h`) of wavelengths below a few posts; without U(q), its own
@@ -92,7 +93,8 @@ void pl_terrain_destroy(pl_terrain *terrain);
 uint64_t pl_terrain_number(const pl_terrain *terrain);
 /* Geometric mean of the radii, of which the lattice's cells are a fraction. */
 double pl_terrain_radius_m(const pl_terrain *terrain);
-/* The rocks on the ground; NULL for none. They are no part of its heights. */
+/* The rocks on the ground; NULL for none. They are no part of its heights, but for the soil at
+ * their feet (terrain/rock_fillets.h). */
 const struct pl_rock_field *pl_terrain_rocks(const pl_terrain *terrain);
 /* Tracks of wheels, which its heights have; NULL without any. */
 const pl_wheel_tracks *pl_terrain_tracks(const pl_terrain *terrain);
@@ -121,6 +123,9 @@ double pl_terrain_datum_m(const pl_terrain *terrain, pl_vec3 direction);
  * all where neighbours in the array are near each other. */
 pl_status pl_terrain_heights(const pl_terrain *terrain, const pl_vec3 *directions, size_t count,
                              int level, double *heights_m);
+/* The same without the soil at the feet of rocks: the ground that rocks are set on. */
+pl_status pl_terrain_heights_below_fillets(const pl_terrain *terrain, const pl_vec3 *directions,
+                                           size_t count, int level, double *heights_m);
 /* Returns the height in one direction, to the same bits; NAN if there is no memory for craters. */
 double pl_terrain_height(const pl_terrain *terrain, pl_vec3 direction, int level);
 /* Returns the height without craters: fast. NAN if there is no memory for refined rasters. */

@@ -5,6 +5,7 @@
 #include "base/memory.h"
 #include "terrain/crater_rays.h"
 #include "terrain/diamond_blocks.h"
+#include "terrain/rock_fillets.h"
 #include "terrain/terrain_parts.h"
 
 enum { STRIP = PL_DETAIL_STRIP, FEW = 8 };
@@ -369,7 +370,8 @@ double pl_terrain_ray_brightness(const pl_terrain *terrain) {
   return terrain->craters != NULL ? pl_crater_field_frame(terrain->craters)->rays.brightness : 0.0;
 }
 
-static pl_status full_heights(work *w, const pl_vec3 *directions, size_t count, double *heights_m) {
+static pl_status heights_below_fillets(work *w, const pl_vec3 *directions, size_t count,
+                                       double *heights_m) {
   const pl_terrain *terrain = w->terrain;
   const double cell_m = pl_cube_cell_m(w->level, terrain->radius_m);
   PL_TRY(base_heights(w, directions, count, heights_m));
@@ -382,13 +384,35 @@ static pl_status full_heights(work *w, const pl_vec3 *directions, size_t count, 
   return pl_crater_add_heights(terrain->craters, &model, directions, count, cell_m, heights_m);
 }
 
-pl_status pl_terrain_heights(const pl_terrain *terrain, const pl_vec3 *directions, size_t count,
-                             int level, double *heights_m) {
+static pl_status full_heights(work *w, const pl_vec3 *directions, size_t count, double *heights_m) {
+  const pl_terrain *terrain = w->terrain;
+  PL_TRY(heights_below_fillets(w, directions, count, heights_m));
+  return terrain->rocks == NULL
+             ? PL_OK
+             : pl_rock_fillets_add(terrain->rocks, terrain, directions, count,
+                                   pl_cube_cell_m(w->level, terrain->radius_m), heights_m);
+}
+
+typedef pl_status (*heights_fn)(work *w, const pl_vec3 *directions, size_t count,
+                                double *heights_m);
+
+static pl_status heights_by(heights_fn of, const pl_terrain *terrain, const pl_vec3 *directions,
+                            size_t count, int level, double *heights_m) {
   work w;
   PL_TRY(begin(&w, terrain, level));
-  const pl_status status = full_heights(&w, directions, count, heights_m);
+  const pl_status status = of(&w, directions, count, heights_m);
   end(&w);
   return status;
+}
+
+pl_status pl_terrain_heights(const pl_terrain *terrain, const pl_vec3 *directions, size_t count,
+                             int level, double *heights_m) {
+  return heights_by(full_heights, terrain, directions, count, level, heights_m);
+}
+
+pl_status pl_terrain_heights_below_fillets(const pl_terrain *terrain, const pl_vec3 *directions,
+                                           size_t count, int level, double *heights_m) {
+  return heights_by(heights_below_fillets, terrain, directions, count, level, heights_m);
 }
 
 double pl_terrain_height(const pl_terrain *terrain, pl_vec3 direction, int level) {

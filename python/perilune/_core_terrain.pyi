@@ -87,7 +87,8 @@ class RockField:
         exponent (of law "power"), cutoff_m (densities times exp(-D / cutoff_m); 0: none), table (of
         law "table": (n, 2) diameters, m, and densities of rocks of these or more, 1/m^2), seed (0 to
         2^64 - 1), min_diameter_m, max_diameter_m, least_burial and most_burial (parts of the height
-        below the ground), repose_rad (no rocks on steeper slopes), families (shares by names of
+        below the ground), repose_rad (no rocks on steeper slopes), fillet (height of the soil at
+        their feet over theirs, 0 to 0.3), families (shares by names of
         ROCK_FAMILIES; those not named have none), models (up to 32
         RockScans, of the family "model"), ejecta_at_rim (density of blocks at rims of new
         craters over that of the law), ejecta_life_ga, ejecta_least_crater_m."""

@@ -512,7 +512,8 @@ def test_every_physical_key_has_its_unit():
         "low", "high",  # of factors
         "pixels", "cover", "border",  # of samples of ground
         "block", "cube", "wedge", "slab", "tablet", "shard", "split", "cobble", "boulder", "egg",
-        "breccia", "pitted", "model", "abundance", "least_burial", "most_burial",  # rocks
+        "breccia", "pitted", "model", "abundance", "least_burial", "most_burial",
+        "fillet",  # rocks
         "least_depth", "least_kept", "classes",  # of labels
         "points",  # of discs
         "columns", "rows", "pulses", "steps", "pattern", "sub_rays", "instants", "max_returns",

@@ -30,6 +30,7 @@ RockLaw = Literal[
 
 _Abundance = Annotated[float, Field(strict=True, gt=0.0, le=1.0)]
 _Burial = Annotated[float, Field(strict=True, ge=0.05, le=0.9)]
+_Fillet = Annotated[float, Field(strict=True, ge=0.0, le=0.3)]
 _Slope = Annotated[float, Field(strict=True, gt=0.0, lt=90.0)]
 FITTED_ABUNDANCE = 0.02
 """Least abundance for which Golombek and Rapp (1997) give the decay."""
@@ -133,6 +134,11 @@ class Rocks(Strict):
     """Greatest part of a rock's height that is below the ground."""
     repose_deg: _Slope = 35.0
     """There are no rocks on steeper slopes, and fewer from 0.7 of it on."""
+    fillet: _Fillet = 0.0
+    """Soil that is heaped at their feet: its mean height over that of the rock; 0: none. Each rock
+    has 0.5 to 1.5 times as much, up to 1.4 of it on one side and down to 0.6 on the other. It falls
+    from a slope of 32 degrees to nothing, over 3.2 times its height, and is a part of the ground:
+    of its heights and labels. Fillets narrower than 1 to 2 cells of the mesh fade."""
     ejecta: RockEjecta | None = None
     """More rocks about young craters; none by default."""
     models: Annotated[tuple[FileName, ...], Field(max_length=32)] = ()
