@@ -87,7 +87,6 @@ pl_status pl_rock_mesh_fill(pl_rock_mesh *mesh, const pl_rock_meshes *meshes,
   mesh->vertex_count = sphere->vertex_count;
   mesh->triangle_count = sphere->triangle_count;
   mesh->triangles = (const uint32_t(*)[3])sphere->triangles;
-  mesh->scale = sphere->scale;
   for (int c = 0; c < 3; c++) {
     mesh->low[c] = INFINITY;
     mesh->high[c] = -INFINITY;

@@ -19,7 +19,6 @@ typedef struct pl_rock_mesh {
   float (*normals)[3];            /* outwards, of any length */
   const uint32_t (*triangles)[3]; /* counter-clockwise seen from outside; of the pool */
   float low[3], high[3];          /* box of the vertices */
-  double scale;                   /* of the sphere it is made from */
   void *scene;                    /* RTCScene, of whom keeps the pool; NULL before */
   bool shown;                     /* by a tile, where it is kept track of */
   struct pl_rock_mesh *next;      /* in the slot: of another measured shape with the number */

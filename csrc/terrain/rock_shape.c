@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "math/noise.h"
 #include "math/philox.h"
+#include "terrain/rock_shadow.h"
 
 /* Heights over widths are 0.54 on average, with a scatter (Demidov and Basilevsky 2014). */
 const pl_rock_family pl_rock_families[PL_ROCK_FAMILIES] = {
@@ -217,6 +218,8 @@ pl_status pl_rock_variants_create(const pl_rock_sphere *spheres, const pl_rock_s
   for (size_t k = 0; status == PL_OK && k < scan_count; k++)
     status = take_scan(scans, k, scan_count, &spheres[PROBED],
                        &(*out)[PL_ROCK_MODEL * PL_ROCK_VARIANTS + k]);
+  for (size_t k = 0; status == PL_OK && k < PL_ROCK_MODEL * PL_ROCK_VARIANTS + scan_count; k++)
+    status = pl_rock_variant_set_scales(spheres, &(*out)[k]);
   if (status != PL_OK) {
     pl_free(*out);
     *out = NULL;

@@ -15,7 +15,13 @@
 #include "math/vec.h"
 #include "terrain/rock_scan.h"
 
-enum { PL_ROCK_PLANES = 24, PL_ROCK_OCTAVES = 4, PL_ROCK_VARIANTS = 32, PL_ROCK_PROBES = 162 };
+enum {
+  PL_ROCK_PLANES = 24,
+  PL_ROCK_OCTAVES = 4,
+  PL_ROCK_VARIANTS = 32,
+  PL_ROCK_PROBES = 162,
+  PL_ROCK_LODS = 6
+};
 
 typedef struct pl_rock_family {
   const char *name, *doc;
@@ -47,12 +53,10 @@ typedef enum pl_rock_family_kind {
 extern const pl_rock_family pl_rock_families[PL_ROCK_FAMILIES];
 
 /* Spheres of triangles: subdivided icosahedra, 20 4^level triangles. */
-enum { PL_ROCK_LODS = 6 };
 typedef struct pl_rock_sphere {
   int vertex_count, triangle_count;
   pl_vec3 *vertices;        /* unit */
   uint32_t (*triangles)[3]; /* counter-clockwise from outside */
-  double scale; /* by which the mesh of a sphere has the sphere's area, and so its mean shadow */
 } pl_rock_sphere;
 pl_status pl_rock_spheres_create(pl_rock_sphere **out); /* PL_ROCK_LODS of them, one block */
 void pl_rock_spheres_destroy(pl_rock_sphere *spheres);
@@ -71,6 +75,7 @@ typedef struct pl_rock_variant {
   pl_vec3 normals[PL_ROCK_PLANES]; /* over their distance */
   pl_vec3 probes[PL_ROCK_PROBES];  /* points of its surface */
   double plan;                     /* geometric mean of its widths along x and y */
+  double scale[PL_ROCK_LODS];      /* at which its meshes throw the mean shadow of the finest */
 } pl_rock_variant;
 
 /* No point of a shape is further from its centre, in plan diameters. */

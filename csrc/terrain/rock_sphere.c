@@ -53,17 +53,6 @@ static void subdivide(const pl_rock_sphere *from, pl_rock_sphere *to, edges *kno
   }
 }
 
-static void set_scale(pl_rock_sphere *sphere) {
-  double area = 0.0;
-  for (int k = 0; k < sphere->triangle_count; k++) {
-    const uint32_t *t = sphere->triangles[k];
-    const pl_vec3 a = sphere->vertices[t[0]];
-    area += 0.5 * pl_vec3_norm(pl_vec3_cross(pl_vec3_sub(sphere->vertices[t[1]], a),
-                                             pl_vec3_sub(sphere->vertices[t[2]], a)));
-  }
-  sphere->scale = sqrt(4.0 * PL_PI / area);
-}
-
 static void make(pl_rock_sphere *spheres, edges *known) {
   spheres[0].vertex_count = FIRST_VERTICES;
   spheres[0].triangle_count = FIRST_TRIANGLES;
@@ -72,11 +61,8 @@ static void make(pl_rock_sphere *spheres, edges *known) {
   for (int k = 0; k < FIRST_TRIANGLES; k++)
     for (int c = 0; c < 3; c++)
       spheres[0].triangles[k][c] = faces[k][c];
-  for (int lod = 0; lod < PL_ROCK_LODS; lod++) {
-    if (lod > 0)
-      subdivide(&spheres[lod - 1], &spheres[lod], known);
-    set_scale(&spheres[lod]);
-  }
+  for (int lod = 1; lod < PL_ROCK_LODS; lod++)
+    subdivide(&spheres[lod - 1], &spheres[lod], known);
 }
 
 pl_status pl_rock_spheres_create(pl_rock_sphere **out) {

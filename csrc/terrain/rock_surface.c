@@ -11,8 +11,8 @@ typedef struct vertices {
   double *over_m;
 } vertices;
 
-static void place(vertices *v, const pl_rock *rock, const pl_rock_shape *shape) {
-  const double m = rock->diameter_m * v->sphere->scale;
+static void place(vertices *v, const pl_rock *rock, const pl_rock_shape *shape, int lod) {
+  const double m = rock->diameter_m * shape->variant->scale[lod];
   const pl_vec3 s = pl_vec3_scale(shape->axes, m);
   for (size_t k = 0; k < v->count; k++) {
     const pl_vec3 d = v->sphere->vertices[k];
@@ -69,8 +69,8 @@ static pl_status make_room(const pl_rock_sphere *sphere, vertices *out) {
 static pl_status add(pl_rock_surfaces *all, size_t at, const pl_rock_field *field,
                      const pl_terrain *terrain, const pl_rock_shape *shape, double cell_m) {
   const pl_rock *rock = &all->rocks[at];
-  const pl_rock_sphere *sphere =
-      &pl_rock_field_spheres(field)[pl_rock_lod(rock->diameter_m, cell_m)];
+  const int lod = pl_rock_lod(rock->diameter_m, cell_m);
+  const pl_rock_sphere *sphere = &pl_rock_field_spheres(field)[lod];
   const size_t before = all->first[at];
   const size_t edges = (size_t)sphere->triangle_count * 3 / 2;
   const size_t most = before + (size_t)sphere->vertex_count + edges;
@@ -80,7 +80,7 @@ static pl_status add(pl_rock_surfaces *all, size_t at, const pl_rock_field *fiel
   all->points = grown;
   vertices v;
   PL_TRY(make_room(sphere, &v));
-  place(&v, rock, shape);
+  place(&v, rock, shape, lod);
   const pl_status status = measure(&v, terrain, cell_m);
   if (status == PL_OK)
     all->first[at + 1] = before + collect(&v, all->points + before);

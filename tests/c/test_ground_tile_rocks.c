@@ -105,7 +105,7 @@ static void check_rocks(const pl_ground_rocks *rocks) {
     pl_vec3 open;
     const double volume = volume_of(rock, &open);
     /* An ellipsoid of axes 1, 1 and 0.6 has 0.31. */
-    if (!(volume > 0.05 * d * d * d && volume < 0.75 * d * d * d))
+    if (!(volume > 0.05 * d * d * d && volume < 0.8 * d * d * d))
       fail_msg("rock of %g m, family %d: volume %g", d, (int)rock->rock.family, volume);
     assert_true(pl_vec3_norm(open) < 1e-3 * d * d);
     check_normals(rock);

@@ -140,6 +140,9 @@ static void test_variants(void **state) {
     assert_int_equal(pl_rock_meshes_add(&meshes, variant, 3, &again), PL_OK);
     assert_ptr_equal(again, made[k]);
   }
+  const double *scale = all[0][PL_ROCK_MODEL * PL_ROCK_VARIANTS].scale;
+  assert_true(fabs(scale[1] - 1.04) < 0.005); /* a quarter of the surface of the ball's mesh */
+  assert_true(scale[3] > 1.0 && scale[3] < 1.004 && scale[PL_ROCK_LODS - 1] == 1.0);
   assert_true(fabs((double)made[0]->high[2] - 1.0) < 1e-2);
   assert_true(fabs((double)made[1]->high[2] - 0.3) < 1e-2);
   pl_rock_meshes_drop(&meshes, 1);

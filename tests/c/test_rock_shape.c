@@ -5,7 +5,7 @@
 
 #include "base/memory.h"
 #include "random.h"
-#include "terrain/rock_shape.h"
+#include "terrain/rock_shadow.h"
 
 static pl_rock_sphere *spheres;
 static pl_rock_variant *variants;
@@ -177,14 +177,49 @@ static void test_spheres(void **state) {
   for (int lod = 0; lod < PL_ROCK_LODS; lod++) {
     assert_int_equal(spheres[lod].triangle_count, 20 << (2 * lod));
     check_closed(&spheres[lod]);
-    assert_true(spheres[lod].scale > 1.0 && spheres[lod].scale < 1.2);
-    assert_true(lod == 0 || spheres[lod].scale < spheres[lod - 1].scale);
   }
 }
 
+/* Meshes of all levels throw the same shadow, on the mean over variants of a family. */
+static void test_shadows(void **state) {
+  (void)state;
+  enum { EACH = 6, FINEST = 4 };
+  for (int family = 0; family < PL_ROCK_MODEL; family++) {
+    double sums[FINEST + 1] = {0.0};
+    for (int k = 0; k < EACH; k++) {
+      const pl_rock_variant *variant = &variants[family * PL_ROCK_VARIANTS + 5 * k];
+      for (int lod = 1; lod <= FINEST; lod++) {
+        double area;
+        assert_int_equal(pl_rock_shadow_mean(&spheres[lod], variant, &area), PL_OK);
+        sums[lod] += variant->scale[lod] * variant->scale[lod] * area;
+      }
+    }
+    for (int lod = 1; lod < FINEST; lod++)
+      if (!(fabs(sums[lod] / sums[FINEST] - 1.0) < (lod == 1 ? 0.02 : 0.012)))
+        fail_msg("%s, level %d: %g", pl_rock_families[family].name, lod, sums[lod] / sums[FINEST]);
+  }
+}
+
+/* Beside the exact shadow of a ball's mesh, a quarter of the surface of any convex body. */
+static void test_shadow_of_a_ball(void **state) {
+  (void)state;
+  pl_rock_variant ball = {.family = &pl_rock_families[PL_ROCK_MODEL]};
+  double surface = 0.0, shadow;
+  for (int k = 0; k < spheres[1].triangle_count; k++) {
+    const uint32_t *t = spheres[1].triangles[k];
+    const pl_vec3 a = spheres[1].vertices[t[0]];
+    surface += 0.5 * pl_vec3_norm(pl_vec3_cross(pl_vec3_sub(spheres[1].vertices[t[1]], a),
+                                                pl_vec3_sub(spheres[1].vertices[t[2]], a)));
+  }
+  assert_int_equal(pl_rock_shadow_mean(&spheres[1], &ball, &shadow), PL_OK);
+  assert_true(fabs(shadow / (0.25 * surface) - 1.0) < 0.002);
+}
+
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_points), cmocka_unit_test(test_extent),
-                                     cmocka_unit_test(test_variants), cmocka_unit_test(test_faces),
-                                     cmocka_unit_test(test_spheres)};
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_points),          cmocka_unit_test(test_extent),
+      cmocka_unit_test(test_variants),        cmocka_unit_test(test_faces),
+      cmocka_unit_test(test_spheres),         cmocka_unit_test(test_shadows),
+      cmocka_unit_test(test_shadow_of_a_ball)};
   return cmocka_run_group_tests(tests, open_shapes, close_shapes);
 }
