@@ -24,13 +24,24 @@ static void share_roughness(pl_regolith *regolith, double less) {
   }
 }
 
+/* Rocks that the ground stands for have the law without what their own relief is of it. */
+static void set_stone_roughness(pl_surface *surface) {
+  pl_regolith rock = surface->regolith;
+  share_roughness(&rock, (double)surface->rough.stone_relief);
+  for (int k = 0; k < 3; k++)
+    surface->rough.stone_roughness_rad[k] = rock.band[k].roughness_rad;
+}
+
 void pl_fine_slopes_set(pl_vertex *vertex, const pl_rough *rough, double roughness_less) {
   pl_surface *surface = &vertex->surface;
-  if (surface->reflectance->photometric)
-    share_roughness(&surface->regolith, roughness_less);
-  if (surface->reflectance->photometric || surface->reflectance == &pl_reflectance_lambert)
+  const bool photometric = surface->reflectance->photometric;
+  if (photometric || surface->reflectance == &pl_reflectance_lambert)
     surface->rough = *rough;
   else
     pl_surface_set_frame(surface, pl_vec3f_unit(pl_vec3f_sub(surface->n, rough->slope)), surface->t,
                          1.0f);
+  if (photometric && rough->stones > 0.0f)
+    set_stone_roughness(surface);
+  if (photometric)
+    share_roughness(&surface->regolith, roughness_less);
 }

@@ -80,9 +80,12 @@ static void add_slopes(const pl_shot_body *body, const pl_beam *beam, bool textu
   const pl_sub_cell left = pl_terrain_sub_cell(terrain, up, pl_ground_tile_lattice(tile->id),
                                                pl_fine_slopes_footprint_m(vertex, beam), textures);
   const pl_vec3 normal = pl_mat3_mul_vec_t(body->rotation, pl_vec3f_to_double(vertex->surface.n));
-  const pl_rough rough = {to_root(body, slope_on(normal, up, left.slope)),
-                          (float)fmax(left.variance, 0.0), (float)left.whole, (float)left.stones,
-                          (float)left.stone_height};
+  const pl_rough rough = {.slope = to_root(body, slope_on(normal, up, left.slope)),
+                          .variance = (float)fmax(left.variance, 0.0),
+                          .whole = (float)left.whole,
+                          .stones = (float)left.stones,
+                          .stone_height = (float)left.stone_height,
+                          .stone_relief = (float)left.stone_relief};
   pl_fine_slopes_set(vertex, &rough, pl_terrain_shared_variance(terrain));
 }
 

@@ -80,8 +80,11 @@ static void shade(const pl_snapshot *shot, const pl_beam *beam, pl_detail detail
     return;
   const pl_vec3 normal = pl_mat3_mul_vec_t(body->rotation, pl_vec3f_to_double(surface->n));
   const pl_rock_relief relief = pl_rock_relief_at(rock, point, normal, footprint_m);
-  const pl_rough rough = {.slope = to_root(body, relief.slope), .whole = (float)relief.variance};
-  pl_fine_slopes_set(vertex, &rough, relief.variance);
+  const double whole = relief.variance + relief.unseen;
+  const pl_rough rough = {.slope = to_root(body, relief.slope),
+                          .variance = (float)relief.unseen,
+                          .whole = (float)whole};
+  pl_fine_slopes_set(vertex, &rough, whole);
 }
 
 /* As terrain: points are camera-relative. */

@@ -6,10 +6,10 @@
  * the third order. The shares that are lit and seen are taken over four, too: so all light on the
  * mean surface is received, and facets fill all of the view.
  *
- * A rock is a top and four sides of one slope, half of it under either: it throws a shadow like a
- * dome of its width and height. Rocks lie anywhere, so the ground that light reaches, and that is
- * seen, falls exponentially with their shadows. They are not in each other's shadow, and have the
- * reflectance of the ground.
+ * A rock is a flat top and two rings of sides: their slopes and shares are chosen so that they
+ * throw the shadows, and have the brightness, of the rocks that meshes show. Rocks lie anywhere, so
+ * the ground that light reaches, and that is seen, falls exponentially with their shadows; of each
+ * other they shade half as much. They have the reflectance of the ground, and relief of their own.
  *
  * `evaluate` of a model has facets; `sample` knows the mean surface alone: facets hardly change
  * light that comes from many sides, as from other ground. */

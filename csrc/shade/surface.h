@@ -14,7 +14,9 @@ typedef struct pl_rough {
   /* Of slopes along any one axis: variance around the mean, and of the mean itself and around it,
    * from place to place */
   float variance, whole;
-  float stones, stone_height; /* share of the ground under rocks; their height over their width */
+  float stones, stone_height;   /* share of the ground under rocks; their height over their width */
+  float stone_relief;           /* variance of slopes of their surface along any one axis */
+  float stone_roughness_rad[3]; /* of their law, by band; read by photometric models only */
 } pl_rough;
 
 /* Directions point away from the surface. wo and wi below are in the local frame (t, b, n). */

@@ -52,7 +52,8 @@ static pl_status keep(const collection *all, pl_vec3 origin, pl_ground_rocks **o
     const double away = pl_vec3_norm(pl_vec3_sub(rock->rock.center, origin));
     rocks->first[k] = (uint32_t)rocks->triangle_count;
     rocks->triangle_count += (size_t)pl_rock_field_spheres(all->field)[rock->lod].triangle_count;
-    rocks->radius_m = fmax(rocks->radius_m, away + rock->variant->scale[rock->lod] * PL_ROCK_SHAPE_REACH * rock->rock.diameter_m);
+    rocks->radius_m = fmax(rocks->radius_m, away + rock->variant->scale[rock->lod] *
+                                                       PL_ROCK_SHAPE_REACH * rock->rock.diameter_m);
   }
   rocks->first[all->count] = (uint32_t)rocks->triangle_count;
   *out = rocks;

@@ -59,11 +59,12 @@ static void add_octaves(const pl_rock *rock, pl_vec3 point, double footprint_m, 
   double cell = COARSEST, deviation = ROUGH;
   for (uint32_t k = 0; k < OCTAVES && cell * rock->diameter_m >= FINEST_M; k++) {
     const double left = fade(footprint_m, cell * rock->diameter_m), size = deviation * left;
-    if (!(left > 0.0))
-      return;
-    const pl_noise_value at = pl_noise_gradient(in_cells(rock, point, cell), seed + k);
-    out->slope = pl_vec3_madd(out->slope, worn * size / sqrt(NOISE_SLOPES), gradient_of(at));
     out->variance += size * size;
+    out->unseen += deviation * deviation - size * size;
+    if (left > 0.0) {
+      const pl_noise_value at = pl_noise_gradient(in_cells(rock, point, cell), seed + k);
+      out->slope = pl_vec3_madd(out->slope, worn * size / sqrt(NOISE_SLOPES), gradient_of(at));
+    }
     cell *= 0.5;
     deviation *= GROWTH;
   }
@@ -73,14 +74,15 @@ static void add_pits(const pl_rock *rock, pl_vec3 point, double footprint_m, uin
                      pl_rock_relief *out) {
   for (uint32_t k = 0; k < PIT_SIZES; k++) {
     const double left = fade(footprint_m, PIT_CELLS[k] * rock->diameter_m);
+    out->variance += PIT_SLOPES * left * left;
+    out->unseen += PIT_SLOPES * (1.0 - left * left);
     if (!(left > 0.0))
-      return;
+      continue;
     const pl_noise_value at =
         pl_noise_gradient(in_cells(rock, point, PIT_CELLS[k]), seed + OCTAVES + k);
     const double deep = (double)at.value - LEVEL;
     if (deep > 0.0)
       out->slope = pl_vec3_madd(out->slope, -2.0 * PIT_DEPTH * left * deep, gradient_of(at));
-    out->variance += PIT_SLOPES * left * left;
   }
 }
 
@@ -103,7 +105,7 @@ static void add_cracks(const pl_rock *rock, pl_vec3 point, double footprint_m, u
 
 pl_rock_relief pl_rock_relief_at(const pl_rock *rock, pl_vec3 point, pl_vec3 normal,
                                  double footprint_m) {
-  pl_rock_relief out = {{0.0, 0.0, 0.0}, 0.0};
+  pl_rock_relief out = {.variance = 0.0};
   const uint32_t seed = seed_of(rock);
   const double place = (double)pl_noise(in_cells(rock, point, WORN_CELL), seed + 33);
   const double worn = fmin(fmax(1.0 + WORN * place, 0.3), 1.7);
@@ -113,6 +115,16 @@ pl_rock_relief pl_rock_relief_at(const pl_rock *rock, pl_vec3 point, pl_vec3 nor
   out.slope = pl_mat3_mul_vec(rock->rotation, out.slope);
   out.slope = pl_vec3_madd(out.slope, -pl_vec3_dot(out.slope, normal), normal);
   return out;
+}
+
+double pl_rock_relief_variance(double diameter_m) {
+  double cell_m = COARSEST * diameter_m, deviation = ROUGH, sum = PIT_SIZES * PIT_SLOPES;
+  for (int k = 0; k < OCTAVES && cell_m >= FINEST_M; k++) {
+    sum += deviation * deviation;
+    cell_m *= 0.5;
+    deviation *= GROWTH;
+  }
+  return sum;
 }
 
 double pl_rock_tint(const pl_rock *rock, pl_vec3 point, double footprint_m) {

@@ -14,8 +14,9 @@ typedef struct pl_sub_cell {
   pl_vec3 slope; /* to add to that of the mesh: rise over distance, along the ground, body axes */
   /* Of slopes along any one axis: of those that are still left out, and of `slope` and those. */
   double variance, whole;
-  double stones, stone_height; /* share of the ground under rocks that are left out; their height
-                                * over the ground, over their width */
+  /* Share of the ground under rocks that are left out; their height over the ground, over their
+   * width; variance of slopes of their surface along any one axis. */
+  double stones, stone_height, stone_relief;
 } pl_sub_cell;
 
 /* In a unit direction, on a mesh with cells of a level of the lattice, over a footprint. Below the

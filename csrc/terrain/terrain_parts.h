@@ -26,9 +26,10 @@ typedef struct pl_slope_table {
   double beyond[PL_CUBE_LEVELS + 1]; /* of all octaves from this level on */
   double craters[PL_CUBE_LEVELS];    /* of what cells of this level leave out of craters */
   double stones[PL_CUBE_LEVELS];     /* share of the ground under rocks that such cells leave out */
-  double stone_height;               /* of these over the ground, over their width */
-  double textures[PL_CUBE_LEVELS];   /* of what cells of this level leave out of textures */
-  double shared;                     /* below roughness_baseline_m, of detail and craters */
+  double stone_relief[PL_CUBE_LEVELS]; /* of their surface */
+  double stone_height;                 /* of these over the ground, over their width */
+  double textures[PL_CUBE_LEVELS];     /* of what cells of this level leave out of textures */
+  double shared;                       /* below roughness_baseline_m, of detail and craters */
 } pl_slope_table;
 
 /* A crater of a catalogue, with its place there, from 1 on. */

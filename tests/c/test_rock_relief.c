@@ -27,6 +27,7 @@ static double stated(double diameter_m, double footprint_m) {
       assert_true(fabs(pl_vec3_dot(at.slope, normal)) < 1e-9);
       squares += 0.5 * pl_vec3_dot(at.slope, at.slope);
       variance += at.variance;
+      assert_true(fabs(at.variance + at.unseen - pl_rock_relief_variance(diameter_m)) < 1e-12);
     }
   return variance > 0.0 ? squares / variance : squares;
 }

@@ -140,27 +140,25 @@ static void test_ends(void **state) {
   assert_true(pl_reflectance_hapke.evaluate(&rough, toward(45.0, 180.0), up).y == 0.0f);
 }
 
-/* Light that a dome on Lambert's ground takes from a view straight down, over that on its base:
- * what it shades beside it, and what its sides reflect less than flat ground. */
-static double taken_by_dome(double height_of_width, pl_vec3f wi) {
-  enum { STEPS = 200 };
-  const double c = 2.0 * height_of_width, cot = (double)(wi.x / wi.z);
-  double sum = 0.5 * (sqrt(1.0 + c * c * cot * cot) - 1.0); /* its shadow is half an ellipse */
-  for (int i = 0; i < STEPS; i++)
-    for (int j = 0; j < STEPS; j++) {
-      const double x = 2.0 * (i + 0.5) / STEPS - 1.0, y = 2.0 * (j + 0.5) / STEPS - 1.0;
-      const double z2 = 1.0 - x * x - y * y;
-      if (!(z2 > 0.0))
-        continue;
-      const double z = sqrt(z2) / c, norm = sqrt(x * x + y * y + z * z);
-      const double lit = fmax((x * (double)wi.x + z * (double)wi.z) / norm, 0.0) / (double)wi.z;
-      sum += (1.0 - lit) * 4.0 / (STEPS * STEPS) / PL_PI;
-    }
-  return sum;
+/* Beside frames of rocks of 0.8 to 1.25 m with all of them in the mesh, from straight above: means
+ * of radiance over that of bare ground, by 16 000 m^2 with 1000 rocks. */
+static void test_stones_beside_meshes(void **state) {
+  (void)state;
+  const double suns[] = {5, 10, 20, 30, 45, 70, 90};
+  const double means[] = {0.8330, 0.9077, 0.9493, 0.9644, 0.9754, 0.9844, 0.9880};
+  const pl_surface bare = surface_of(&pl_reflectance_lambert, 0.0);
+  pl_surface s = bare;
+  s.rough = (pl_rough){.stones = 0.0422f, .stone_height = 0.445f, .stone_relief = 0.286f};
+  for (int i = 0; i < 7; i++) {
+    const pl_vec3f wi = toward(suns[i], 0.0), wo = toward(90.0, 0.0);
+    const double got = (double)(pl_reflectance_lambert.evaluate(&s, wo, wi).y /
+                                pl_reflectance_lambert.evaluate(&bare, wo, wi).y);
+    if (!(fabs(got - means[i]) < 0.003))
+      fail_msg("Sun at %g degrees: %g, not %g", suns[i], got, means[i]);
+  }
 }
 
-/* Rocks take about as much light as domes, from flat ground and from rough, and more of them less
- * than in proportion. */
+/* More rocks take more light, and less than in proportion; never all. */
 static void test_stones(void **state) {
   (void)state;
   const double suns[] = {5, 10, 20, 40, 70}, heights[] = {0.3, 0.45, 0.55};
@@ -175,11 +173,7 @@ static void test_stones(void **state) {
         s.rough.stones = (float)share;
         const double taken = 1.0 - (double)pl_reflectance_lambert.evaluate(&s, wo, wi).y / bare;
         assert_true(taken > before && taken < 1.0);
-        if (before == 0.0) {
-          const double dome = taken_by_dome(heights[h], wi);
-          assert_true(fabs(taken / share - dome) < 0.25 * dome + 0.2);
-          per_stone = taken / share;
-        }
+        per_stone = before == 0.0 ? taken / share : per_stone;
         assert_true(taken <= 1.001 * per_stone * share);
         before = taken;
       }
@@ -193,6 +187,7 @@ int main(void) {
       cmocka_unit_test(test_light_is_conserved),
       cmocka_unit_test(test_ends),
       cmocka_unit_test(test_stones),
+      cmocka_unit_test(test_stones_beside_meshes),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
