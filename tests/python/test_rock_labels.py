@@ -107,14 +107,16 @@ def aslant(times: int = 1, **rocks: Any) -> np.ndarray:
 
 
 def test_whole_boxes_of_cut_rocks_are_those_of_a_larger_picture() -> None:
-    """To a pixel: which centres of pixels a far rock covers, its mesh decides."""
+    """To a pixel, few to two: which centres of pixels a far rock covers, its mesh decides."""
     rows, wide = aslant(), aslant(3)
     _, a, b = np.intersect1d(rows["id"], wide["id"], return_indices=True)
     assert len(a) == len(rows)
     cut = rows["cut"][a]
     assert cut.sum() > 10
     shown = wide["bbox_visib"][b] - [128, 96, 0, 0]
-    assert np.abs(rows["bbox_obj"][a] - shown)[cut].max() <= 1
+    off = np.abs(rows["bbox_obj"][a] - shown)[cut].max(axis=1)
+    assert (off <= 1).mean() > 0.9
+    assert off.max() <= 2
     assert (np.abs(rows["bbox_visib"][a] - shown)[cut].max(axis=1) > 1).sum() > 8
 
 
