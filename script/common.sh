@@ -109,18 +109,19 @@ print(*project["dependencies"], *(line for name in extras for line in project["o
 END
 }
 
-# install ARGUMENTS: Python packages as pip installs them, by uv, which takes 35 s of a processor where
-# pip takes 94 for all of the tests'. Where pip was told to look, uv looks. Without uv, or where it
-# fails, pip does it.
+# install PYTHON ARGUMENTS: packages for that Python as pip installs them, by uv, which takes 35 s of a
+# processor where pip takes 94 for all of the tests'. Where pip was told to look, uv looks. Without uv,
+# or where it fails, pip does it.
 install() {
-  local settings
+  local python=$1 settings
+  shift
   if "$VENV/bin/pip" install --no-compile uv &&
     settings=$("$VENV/bin/python" "$ROOT/script/pip_settings.py") &&
-    (eval "$settings" && "$VENV/bin/uv" pip install --python "$VENV/bin/python" "$@"); then
+    (eval "$settings" && "$VENV/bin/uv" pip install --python "$python" "$@"); then
     return
   fi
   # Bytecode of what is never imported is not made.
-  "$VENV/bin/pip" install --no-compile "$@"
+  "$VENV/bin/pip" --python "$python" install --no-compile "$@"
 }
 
 # need_package [EXTRA]: builds and installs perilune in place, with the dependencies of the extra.
@@ -133,7 +134,7 @@ need_package() {
     if [[ $(cat "$stamp" 2>/dev/null) != "$state" ]]; then
       say "Installing Python packages and building perilune"
       dependencies ${extra:+"$extra"} >"$LOGS/requirements.txt"
-      quietly pip-dependencies install "setuptools>=77" wheel -r "$LOGS/requirements.txt"
+      quietly pip-dependencies install "$VENV/bin/python" "setuptools>=77" wheel -r "$LOGS/requirements.txt"
       quietly pip-install "${lock[@]}" "$VENV/bin/pip" install --no-build-isolation --no-deps -e .
       printf '%s' "$state" >"$VENV/.perilune"
       [[ -z $extra ]] || printf '%s' "$state" >"$VENV/.perilune-$extra"
