@@ -88,7 +88,7 @@ static void test_noise_and_light(void **state) {
   pl_model *model = cube_create(0.5);
   picture *truth = malloc(sizeof *truth);
   assert_non_null(truth);
-  shoot(model, 1024, 2, true, 0, truth);
+  shoot(model, 512, 2, true, 0, truth);
   const trial alone = try_frames(model, truth, 4, true),
               shared = try_frames(model, truth, 4, false);
   const trial many = try_frames(model, truth, 64, false);
@@ -117,7 +117,7 @@ static void test_light_of_glossy_faces(void **state) {
   for (int i = 0; i < 3; i++) {
     model->materials[0].roughness = looks[i][0];
     model->materials[0].metallic = looks[i][1];
-    shoot(model, 512, 2, true, 0, truth);
+    shoot(model, 256, 2, true, 0, truth);
     const trial few = try_frames(model, truth, 4, false);
     const trial many = try_frames(model, truth, 16, false);
     print_message("roughness %g, metalness %g: light %.4f, %.4f\n", (double)looks[i][0],
@@ -162,7 +162,7 @@ static void test_no_blotches(void **state) {
   pl_model *model = cube_create(0.5);
   picture *truth = malloc(2 * sizeof *truth), *found = truth + 1;
   assert_non_null(truth);
-  shoot_rare(model, 1024, true, 0, truth);
+  shoot_rare(model, 512, true, 0, truth);
   size_t lit = 0, black = 0;
   for (uint64_t frame = 0; frame < 8; frame++) {
     shoot_rare(model, 4, false, frame, found);
