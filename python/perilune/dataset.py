@@ -7,6 +7,7 @@ import os
 import re
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from perilune.base.arguments import whole
@@ -14,6 +15,7 @@ from perilune.base.processors import default_threads
 from perilune.base.workers import in_torch_worker, torch_worker
 from perilune.opening import ConfigSource, open as open_simulation
 from perilune.sample import Sample
+from perilune.training.ahead import Ahead
 from perilune.training.batches import collate, tell_torch
 from perilune.training.ledger import Ledger
 from perilune.training.schedule import Change, Schedule
@@ -119,9 +121,12 @@ class _Frames:
         ledger.append({"at": at, "set": dict(change)})
         self._seen = len(ledger.rows)
 
-    def _item(self, index: int) -> Any:
+    def _task(self, index: int) -> Callable[[], Any]:
+        """Makes an item, with the changes that are known now."""
         tell_torch()
-        simulation = self._schedule.simulation(index)
+        return partial(self._made, self._schedule.simulation(index), index)
+
+    def _made(self, simulation: Simulation, index: int) -> Any:
         sample = simulation.frame(index, self.channels, _threads(self.threads))
         return sample if self.transform is None else self.transform(sample)
 
@@ -172,7 +177,7 @@ class Dataset(_Frames):
         ledger = self._shared()
         with ledger.held():
             self._follow(ledger)
-        return self._item(self.start + position)
+        return self._task(self.start + position)()
 
     def set(self, changes: Mapping[str, Any] | None = None, at: int = 0, **dotted: Any) -> None:
         """Changes the configuration of all frames made from now on whose index
@@ -241,6 +246,11 @@ class Stream(_Frames):
     this: a second epoch continues after the last frame that any worker has begun, and skips what
     workers had prepared when the first epoch was interrupted.
 
+    prefetch: number of frames that are made ahead, on a thread of their own, while the loop works
+    with the one it has; 0: each is made when the loop asks for it. The thread also calls
+    `transform` and the functions of the configuration. Frames do not depend on it. It is for loops
+    without a DataLoader's workers, which make batches ahead by themselves.
+
     channels, transform, threads: as for Dataset."""
 
     def __init__(
@@ -251,6 +261,7 @@ class Stream(_Frames):
         start: int = 0,
         shard: tuple[int, int] = (0, 1),
         batch_size: int = 1,
+        prefetch: int = 0,
         channels: Sequence[str] | None = None,
         transform: Transform | None = None,
         threads: int | None = None,
@@ -266,6 +277,7 @@ class Stream(_Frames):
         self.start = start
         self.shard = shard
         self.batch_size = batch_size
+        self.prefetch = whole("prefetch", prefetch, 0)
         self._first = 0
         """Position at which this stream, or this worker's pass over it, begins."""
         self._taken = 0
@@ -286,19 +298,33 @@ class Stream(_Frames):
         return type(self)
 
     def __iter__(self) -> Iterator[Any]:
-        worker, workers = torch_worker()
+        if self.prefetch > 0 and in_torch_worker():
+            raise ValueError(
+                f"prefetch = {self.prefetch}: leave it out in workers; the loader's own "
+                "prefetch_factor says how many batches each of them makes ahead"
+            )
         mark = self._begin_pass()
-        while True:
-            block, place = divmod(self._taken, self.batch_size)
-            position = self._first + self.batch_size * (worker + workers * block) + place
-            ledger = self._shared()
-            with ledger.held():
-                self._follow(ledger)
-                if mark is None or _last_mark(ledger) is mark:
-                    ledger.begun = max(ledger.begun, position + 1)
-            item = self._item(self._index(position))
-            self._taken += 1
-            yield item
+        with Ahead[Any](self.prefetch) as ahead:
+            while True:
+                item = ahead.take(self._position_after, partial(self._begin, mark))
+                self._taken += 1
+                yield item
+
+    def _position_after(self, frames: int) -> int:
+        """The position of a frame of this pass; frames: how many are handed out before it, from now
+        on."""
+        worker, workers = torch_worker()
+        block, place = divmod(self._taken + frames, self.batch_size)
+        return self._first + self.batch_size * (worker + workers * block) + place
+
+    def _begin(self, mark: dict[str, Any] | None, position: int) -> Callable[[], Any]:
+        """Counts a frame as begun, and returns what makes it."""
+        ledger = self._shared()
+        with ledger.held():
+            self._follow(ledger)
+            if mark is None or _last_mark(ledger) is mark:
+                ledger.begun = max(ledger.begun, position + 1)
+        return self._task(self._index(position))
 
     def _index(self, position: int) -> int:
         part, count = self.shard

@@ -93,6 +93,7 @@ class IterableDataset(plain.Stream, data.IterableDataset[Any]):
         start: int = 0,
         shard: tuple[int, int] = (0, 1),
         batch_size: int = 1,
+        prefetch: int = 0,
         channels: Sequence[str] | None = None,
         transform: Transform | None = None,
         threads: int | None = None,
@@ -107,6 +108,7 @@ class IterableDataset(plain.Stream, data.IterableDataset[Any]):
             start=start,
             shard=shard,
             batch_size=batch_size,
+            prefetch=prefetch,
             channels=channels,
             transform=_AsTensors(options, transform),
             threads=threads,
@@ -139,6 +141,11 @@ class StreamLoader(data.DataLoader[Any]):
             )
         if not options.get("in_order", True):
             raise ValueError("in_order=False: batches must come in order to be counted")
+        if stream.prefetch > 0 and num_workers > 0:
+            raise ValueError(
+                f"prefetch = {stream.prefetch}: leave it out of the stream of a loader with "
+                "workers, which make batches ahead (prefetch_factor)"
+            )
         self._size = 1 if batch_size is None else batch_size
         stream.batch_size = self._size
         super().__init__(stream, batch_size=batch_size, num_workers=num_workers, **options)  # type: ignore[arg-type]

@@ -52,6 +52,15 @@ def test_loops_go_on(sim, way):
     assert found == list(range(3, 15))
 
 
+def test_streams_that_prefetch(sim):
+    """In a loader without workers frames are those of any stream; one with workers refuses it."""
+    loader = with_torch.StreamLoader(stream_of(sim, start=3, prefetch=3), 2)
+    assert taken(loader, 2) + taken(loader, 1) == list(range(3, 9))
+    assert loader.state_dict()["position"] == 6
+    with pytest.raises(ValueError, match="prefetch = 3: leave it out of the stream of a loader"):
+        with_torch.StreamLoader(stream_of(sim, prefetch=3), 2, num_workers=1)
+
+
 @pytest.mark.parametrize("way", WAYS[:-1], ids=name)
 def test_plain_loaders_repeat_nothing(sim, way):
     """torch's own DataLoader; what workers had prepared when a loop was broken off is left out."""
