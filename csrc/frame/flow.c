@@ -2,6 +2,18 @@
 
 #include "frame/moving.h"
 
+/* Whether marking where meshes may be costs less than the rays that it spares: not of models with
+ * many triangles in a small picture. Changes no bits. */
+static bool mask_pays(const pl_snapshot *shot) {
+  enum { PIXELS_EACH = 4 };
+  const pl_camera *camera = &shot->rays.camera;
+  size_t triangles = 0;
+  for (size_t i = 0; i < shot->object_count; i++)
+    if (shot->objects[i].in_frame)
+      triangles += shot->objects[i].object->model->triangle_count;
+  return PIXELS_EACH * triangles <= (size_t)camera->width * (size_t)camera->height;
+}
+
 static pl_status make_frame(pl_renderer *renderer, const pl_frame_request *request,
                             const pl_other_frame *other, const pl_choice *choice, bool rolls,
                             pl_coverage *meshes, const pl_sight_frame **out) {
@@ -14,6 +26,8 @@ static pl_status make_frame(pl_renderer *renderer, const pl_frame_request *reque
   PL_TRY(pl_placement_check(renderer->scene, &other->placement));
   PL_TRY(pl_survey_place(renderer->scene, request, &other->placement, arena, &survey));
   PL_TRY(pl_realise(renderer->accelerators, &survey, &labels, arena, &instant));
+  if (meshes != NULL && !mask_pays(&instant->shot))
+    meshes = NULL;
   if (meshes != NULL)
     PL_TRY(pl_coverage_update(meshes, &instant->shot, 0, instant->shot.rays.camera.height, 1,
                               request->threads));
