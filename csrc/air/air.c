@@ -58,6 +58,14 @@ static double hyperbola(const pl_air_layers *layers, double height_m) {
   return x + sqrt(x * x + layers->round_m * layers->round_m);
 }
 
+/* Density relative to that at the surface. */
+static float layers_density(const pl_air_layers *layers, double height_m) {
+  double exponent = height_m * layers->lower;
+  if (layers->bent)
+    exponent += layers->upper * (hyperbola(layers, height_m) - layers->offset_m);
+  return expf((float)exponent);
+}
+
 static pl_air_layers layers_of(const pl_air_settings *s, double scale_m, double from_m,
                                double upper_m) {
   pl_air_layers out = {.scale_m = {scale_m, scale_m}, .bend_m = from_m, .lower = -1.0 / scale_m};
@@ -68,7 +76,7 @@ static pl_air_layers layers_of(const pl_air_settings *s, double scale_m, double 
     out.round_m = ROUND * 0.5 * (scale_m + upper_m);
     out.offset_m = hyperbola(&out, 0.0);
   }
-  out.rest = pl_air_layers_density(&out, s->top_m);
+  out.rest = layers_density(&out, s->top_m);
   return out;
 }
 
@@ -116,13 +124,6 @@ double pl_air_reach_m(const pl_air *air, double largest_m) {
   return largest_m * (1.0 + air->settings.top_m / air->radius_m);
 }
 
-float pl_air_layers_density(const pl_air_layers *layers, double height_m) {
-  double exponent = height_m * layers->lower;
-  if (layers->bent)
-    exponent += layers->upper * (hyperbola(layers, height_m) - layers->offset_m);
-  return expf((float)exponent);
-}
-
 double pl_air_layers_ratio(const pl_air_layers *layers, double height_m, double other_m) {
   double exponent = (other_m - height_m) * layers->lower;
   if (layers->bent)
@@ -135,7 +136,7 @@ void pl_air_density(const pl_air *air, double height_m, float out[PL_AIR_PARTS])
   const bool inside = height_m <= s->top_m;
   const double off = fabs(height_m - s->ozone_center_m) / s->ozone_width_m;
   for (int part = 0; part < 2; part++)
-    out[part] = inside ? pl_air_layers_density(&air->layers[part], height_m) : 0.0f;
+    out[part] = inside ? layers_density(&air->layers[part], height_m) : 0.0f;
   out[2] = inside && off < 1.0 ? (float)(1.0 - off) : 0.0f;
 }
 

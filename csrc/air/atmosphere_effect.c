@@ -9,7 +9,7 @@
 static const char *absent(const pl_view *view) {
   bool any = false;
   for (size_t i = 0; i < view->entity_count; i++) {
-    if (pl_air_share(view, &view->entities[i]) > 0.0)
+    if (pl_air_fraction(view, &view->entities[i]) > 0.0)
       return NULL;
     any |= view->entities[i].air != NULL;
   }
@@ -27,40 +27,40 @@ static int ceiling(const pl_view *view) {
 static const double SLOPE = 255.0 * 1.055 / 2.4, KNEE = 0.003;
 
 static double residual_dn(const pl_view *view, const pl_view_entity *body, int steps,
-                          double share) {
+                          double fraction) {
   const pl_air_light_bounds bounds = pl_air_light_bounds_of(body->air);
-  const double bright = share * body->irradiance / view->white_radiance;
+  const double bright = fraction * body->irradiance / view->white_radiance;
   const double long_exposure = pow(fmax(1.0, bright * PL_AIR_DARK / KNEE), PL_AIR_POWER);
   const double error = pl_air_step_error(&bounds, steps) * long_exposure;
   return fmin(SLOPE * pow(bright, 1.0 - PL_AIR_POWER) * error,
-              pl_view_dn(view, share * body->irradiance * (bounds.scattered + bounds.several)));
+              pl_view_dn(view, fraction * body->irradiance * (bounds.scattered + bounds.several)));
 }
 
 /* Upper bound if the atmosphere is left out altogether: scattered light is missing, and so is the
  * attenuation on the way from the sun and to the camera. The sun's disc itself may be attenuated.
  */
-static double missing_dn(const pl_view *view, const pl_view_entity *body, double share) {
+static double missing_dn(const pl_view *view, const pl_view_entity *body, double fraction) {
   const pl_air_light_bounds bounds = pl_air_light_bounds_of(body->air);
   const double dimmed = -expm1(-2.0 * bounds.depth);
   if (view->sun_in_frame && body->air_in_frame)
     return pl_view_dn(view, INFINITY) * (dimmed > 0.0);
-  const double added = share * body->irradiance *
+  const double added = fraction * body->irradiance *
                        (bounds.scattered + bounds.several + bounds.sky / 3.14159265358979);
   const double gone = pl_view_dn_dimming(dimmed);
   const double sky = pl_view_sky_dn(view, pl_view_sky_max(view)); /* stars are attenuated too */
-  return fmin(
-      255.0,
-      pl_view_dn(view, added) +
-          (share < 1.0 ? fmin(gone, pl_view_dn(view, share * pl_view_light(body)) + sky) : gone));
+  return fmin(255.0, pl_view_dn(view, added) +
+                         (fraction < 1.0
+                              ? fmin(gone, pl_view_dn(view, fraction * pl_view_light(body)) + sky)
+                              : gone));
 }
 
 static double bound_dn(const pl_view *view, int value) {
   double sum = 0.0;
   for (size_t i = 0; i < view->entity_count; i++) {
-    const double share = pl_air_share(view, &view->entities[i]);
-    if (share > 0.0)
-      sum += value > 0 ? residual_dn(view, &view->entities[i], value, share)
-                       : missing_dn(view, &view->entities[i], share);
+    const double fraction = pl_air_fraction(view, &view->entities[i]);
+    if (fraction > 0.0)
+      sum += value > 0 ? residual_dn(view, &view->entities[i], value, fraction)
+                       : missing_dn(view, &view->entities[i], fraction);
   }
   return fmin(sum, 255.0);
 }

@@ -59,7 +59,7 @@ void pl_air_build_light_bounds(pl_air *air) {
 
 pl_air_light_bounds pl_air_light_bounds_of(const pl_air *air) { return air->bounds; }
 
-double pl_air_share(const pl_view *view, const pl_view_entity *body) {
+double pl_air_fraction(const pl_view *view, const pl_view_entity *body) {
   if (body->air == NULL)
     return 0.0;
   if (body->air_in_frame)

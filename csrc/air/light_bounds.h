@@ -31,6 +31,6 @@ double pl_air_off_by(pl_vec3f is, pl_vec3f exact);
 
 /* Weight of a body's air in a frame: 1 if the air itself is in view; less if it only adds light to
  * entities in the frame or attenuates their light; 0 if it has no effect. */
-double pl_air_share(const pl_view *view, const pl_view_entity *body);
+double pl_air_fraction(const pl_view *view, const pl_view_entity *body);
 
 #endif

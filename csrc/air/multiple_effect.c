@@ -7,7 +7,7 @@
 
 static const char *absent(const pl_view *view) {
   for (size_t i = 0; i < view->entity_count; i++)
-    if (pl_air_share(view, &view->entities[i]) > 0.0 &&
+    if (pl_air_fraction(view, &view->entities[i]) > 0.0 &&
         pl_air_settings_of(view->entities[i].air)->multiple)
       return NULL;
   return "no atmosphere that is visible or lights anything in the frame has multiple scattering";
@@ -22,13 +22,13 @@ static double bound_dn(const pl_view *view, int value) {
   double radiance = 0.0;
   for (size_t i = 0; i < view->entity_count; i++) {
     const pl_view_entity *body = &view->entities[i];
-    const double share = pl_air_share(view, body);
-    if (share == 0.0)
+    const double fraction = pl_air_fraction(view, body);
+    if (fraction == 0.0)
       continue;
     const pl_air_light_bounds bounds = pl_air_light_bounds_of(body->air);
     const double ground = body->albedo_max * bounds.sky / 3.14159265358979;
     const double off = bounds.again + ground, added = value == 0 ? bounds.several + ground : 0.0;
-    radiance += share * body->irradiance * (off + added);
+    radiance += fraction * body->irradiance * (off + added);
   }
   return pl_view_dn(view, radiance);
 }

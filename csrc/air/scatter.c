@@ -22,7 +22,9 @@ static double part_above(double x) {
   return x <= -1.0 ? 0.0 : 0.5 + (x * sqrt((1.0 - x) * (1.0 + x)) + asin(x)) / PL_PI;
 }
 
-pl_vec3f pl_air_depth_sun(const pl_air *air, const pl_air_sun *sun, const pl_air_place *place,
+/* Optical depth towards the sun at a point where the sine of the solar elevation is mu. *part:
+ * fraction of the disc above the horizon, 0..1; if it is 0, the depth is not set. */
+static pl_vec3f depth_sun(const pl_air *air, const pl_air_sun *sun, const pl_air_place *place,
                           double mu, float *part) {
   float column[PL_AIR_PARTS];
   *part = 1.0f;
@@ -45,7 +47,7 @@ pl_vec3f pl_air_sunlight(const pl_air *air, const pl_air_sun *sun, pl_vec3 point
   float part;
   const pl_air_place place = pl_air_place_of(air, pl_vec3_dot(point, point) - 1.0);
   const double mu = pl_vec3_dot(point, sun->direction) / place.r;
-  const pl_vec3f depth = pl_air_depth_sun(air, sun, &place, fmax(-1.0, fmin(1.0, mu)), &part);
+  const pl_vec3f depth = depth_sun(air, sun, &place, fmax(-1.0, fmin(1.0, mu)), &part);
   return pl_vec3f_scale(pl_air_dimmed(depth), part);
 }
 
@@ -135,7 +137,7 @@ static pl_vec3f sent_on(const chord *c, const float density[PL_AIR_PARTS], bool 
  * there to the start of the ray. */
 static pl_vec3f sunlit(const chord *c, const pl_air_place *place, double mu, pl_vec3f depth) {
   float part;
-  const pl_vec3f toward = pl_air_depth_sun(c->air, c->sun, place, mu, &part);
+  const pl_vec3f toward = depth_sun(c->air, c->sun, place, mu, &part);
   if (!(part > 0.0f))
     return (pl_vec3f){0.0f, 0.0f, 0.0f};
   const pl_vec3f dimmed = pl_air_dimmed(pl_vec3f_add(depth, toward));

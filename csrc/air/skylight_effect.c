@@ -11,9 +11,9 @@ static double bound_dn(const pl_view *view, int value) {
   double radiance = 0.0;
   for (size_t i = 0; value == 0 && i < view->entity_count; i++) {
     const pl_view_entity *body = &view->entities[i];
-    const double share = pl_air_share(view, body);
-    if (share > 0.0)
-      radiance += share * body->albedo_max * body->irradiance *
+    const double fraction = pl_air_fraction(view, body);
+    if (fraction > 0.0)
+      radiance += fraction * body->albedo_max * body->irradiance *
                   pl_air_light_bounds_of(body->air).sky / 3.14159265358979;
   }
   return pl_view_dn(view, radiance);

@@ -12,10 +12,10 @@ static const int rules[PL_AIR_RULES] = {1, 2, 3, 4, 5, 6, 8, 10, 12, 14, 16, 24,
  * exceeds OPAQUE: only a thin part of it is visible, and few rays are alike. */
 static const double MARGIN[2] = {3.0, 15.0}, OPAQUE = 100.0;
 
-/* Lowest points of rays from outside and of rays that end on the ground, and heights of viewpoints
- * in the air, all as parts of the top's height; zenith cosines of the rays from these viewpoints;
- * and cosines of the sun's zenith angle over a ray's lowest point or start, each with the sun
- * ahead, aside and behind. */
+/* `lows`: lowest points of rays from outside, below 0 if they end on the ground. `eyes`: heights of
+ * viewpoints in the air. Both are fractions of the top's height. Then zenith cosines of rays from
+ * these viewpoints, and cosines of the sun's zenith angle at a ray's lowest point or start, each
+ * with the sun ahead, aside and behind. */
 static const double lows[] = {-0.5, -0.1, -0.03, -0.003, 0.0, 0.01, 0.04, 0.1, 0.2, 0.35};
 static const double eyes[] = {0.0, 0.03, 0.2};
 static const double cosines[] = {-0.3, -0.06, -0.02, 0.0, 0.02, 0.1, 0.4, 1.0};

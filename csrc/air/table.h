@@ -36,7 +36,6 @@ typedef struct pl_air_layers {
   double offset_m; /* value of the hyperbola at the surface */
   float rest;      /* density at the top */
 } pl_air_layers;
-float pl_air_layers_density(const pl_air_layers *layers, double height_m);
 /* Ratio of the density at other_m to that at height_m. */
 double pl_air_layers_ratio(const pl_air_layers *layers, double height_m, double other_m);
 
@@ -79,10 +78,6 @@ void pl_air_column_any(const pl_air *air, const pl_air_place *place, double mu,
 pl_vec3f pl_air_depth_of(const pl_air *air, const float column[PL_AIR_PARTS], float length);
 pl_vec3f pl_air_dimmed(pl_vec3f depth); /* exp(-depth) */
 
-/* Optical depth towards the sun at a point where the sine of the solar elevation is mu. *part:
- * fraction of the disc above the horizon, 0..1; if it is 0, the depth is not set. */
-pl_vec3f pl_air_depth_sun(const pl_air *air, const pl_air_sun *sun, const pl_air_place *place,
-                          double mu, float *part);
 /* Light that is scattered: sunlight by the phase functions; that plus already scattered light,
  * isotropically; or already scattered light alone. */
 typedef enum pl_air_mode { PL_AIR_ONCE, PL_AIR_SEVERAL, PL_AIR_AGAIN } pl_air_mode;

@@ -37,10 +37,10 @@ void pl_fill_begin(const pl_snapshot *shot, const pl_adjacency *const *adjacenci
  * goes, meet the object that the ray through its centre meets, and nothing before it. `triangle`:
  * of the object, met by that ray.
  *
- * False wherever that is not certain: at the borders of sheets, where surfaces fold, on edges of
- * three faces, between moving pieces, on materials with holes, where another object or body reaches
- * into the pixel nearer than the farthest point of the sheet, on sheets of very many triangles a
- * pixel, and behind lenses that bend rays, for which a cone costs as much as the rays. */
+ * False wherever that is not certain: at borders and folds of sheets, on edges of three faces,
+ * between moving pieces, on materials with holes, and on sheets with very many triangles a pixel.
+ * False also where another object or body enters the pixel nearer than the sheet's farthest point.
+ * Lenses that bend rays always give false: a cone would cost as much as the rays. */
 bool pl_fill_has(const pl_fill *fill, pl_surface_id id, uint32_t triangle, int x, int y);
 
 #endif

@@ -35,15 +35,15 @@ pl_status pl_instance_coverage_check(const pl_instance_coverage *coverage) {
 }
 
 /* Number of rays of a pixel that see an instance. */
-typedef struct share {
+typedef struct instance_count {
   int32_t id;
   int count;
-} share;
+} instance_count;
 
 /* What the rays of a pixel see. */
 typedef struct tally {
   size_t count;
-  share shares[PL_COVERAGE_SAMPLES_MAX];
+  instance_count seen[PL_COVERAGE_SAMPLES_MAX];
   pl_surface_id last; /* the surface that was met last, and its instance */
   int32_t last_id;
 } tally;
@@ -63,11 +63,11 @@ static void add(const pl_snapshot *shot, pl_surface_id id, tally *t) {
     return;
   const int32_t instance = instance_of(shot, id, t);
   size_t k = 0;
-  while (k < t->count && t->shares[k].id != instance)
+  while (k < t->count && t->seen[k].id != instance)
     k++;
   if (k == t->count)
-    t->shares[t->count++] = (share){instance, 0};
-  t->shares[k].count++;
+    t->seen[t->count++] = (instance_count){instance, 0};
+  t->seen[k].count++;
 }
 
 /* Where the rays of a pixel leave it, from its centre, px. */
@@ -110,15 +110,15 @@ static void look(const pl_instance_coverage *coverage, const pl_snapshot *shot,
 /* The largest first; of equal ones the lower id. */
 static void sort(tally *t) {
   for (size_t i = 1; i < t->count; i++) {
-    const share moved = t->shares[i];
+    const instance_count moved = t->seen[i];
     size_t k = i;
     for (; k > 0; k--) {
-      const share *before = &t->shares[k - 1];
+      const instance_count *before = &t->seen[k - 1];
       if (before->count > moved.count || (before->count == moved.count && before->id < moved.id))
         break;
-      t->shares[k] = *before;
+      t->seen[k] = *before;
     }
-    t->shares[k] = moved;
+    t->seen[k] = moved;
   }
 }
 
@@ -126,9 +126,9 @@ static void sort(tally *t) {
 static void fold(tally *t, size_t layers) {
   if (t->count <= layers)
     return;
-  share *rest = &t->shares[layers - 1];
+  instance_count *rest = &t->seen[layers - 1];
   for (size_t i = layers; i < t->count; i++)
-    rest->count += t->shares[i].count;
+    rest->count += t->seen[i].count;
   rest->id = PL_COVERAGE_REST;
   t->count = layers;
 }
@@ -136,7 +136,7 @@ static void fold(tally *t, size_t layers) {
 static void write_pixel(const pl_instance_coverage *coverage, size_t at, const tally *t) {
   const size_t layers = (size_t)coverage->settings.layers;
   for (size_t k = 0; k < layers; k++) {
-    const share s = k < t->count ? t->shares[k] : (share){0, 0};
+    const instance_count s = k < t->count ? t->seen[k] : (instance_count){0, 0};
     if (coverage->parts != NULL)
       coverage->parts[at * layers + k] = (float)s.count / (float)coverage->settings.samples;
     if (coverage->ids != NULL)

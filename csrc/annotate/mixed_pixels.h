@@ -13,9 +13,11 @@
  * centre of the lens that pl_image_sample_offset can choose see the same instance, or all nothing.
  * `coverage`: of the snapshot, valid in the rows of the tile.
  *
- * A pixel is mixed where a mesh or ground may be, by `coverage`; where the limb of an ellipsoid may
- * be, unless one that fills the pixel lies before it; where two ellipsoids are, unless the
- * distances of their points say which is before the other; and where the lens may have no ray. */
+ * A pixel is mixed
+ * - if `coverage` allows a mesh or ground there;
+ * - if it may contain the limb of an ellipsoid, and no nearer ellipsoid fills it;
+ * - if it contains two ellipsoids whose distances do not tell which is nearer;
+ * - if the lens may have no ray there. */
 void pl_mixed_pixels_find(const pl_snapshot *shot, const pl_coverage *coverage, pl_tile tile,
                           bool mixed[PL_TILE_PIXELS]);
 

@@ -21,7 +21,6 @@ typedef enum pl_rim_kind {
   PL_RIM_BEHIND,  /* no point is before the near plane: nothing else is set */
   PL_RIM_PARTLY,  /* some points are behind the near plane: only the box of the others is set */
   PL_RIM_ELLIPSE, /* entirely before it; a segment if seen edge-on: semi_axes[1] is then 0 */
-  PL_RIM_KINDS
 } pl_rim_kind;
 
 typedef struct pl_rim_image {

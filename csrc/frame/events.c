@@ -95,7 +95,7 @@ static bool is_straight(const recording *r, const float *from, const float *midd
   for (size_t i = 0; i < count; i++)
     off +=
         fabs((double)middle[i] - 0.5 * ((double)from[i] + (double)to[i])) > r->settings->tolerance;
-  return (double)off <= r->settings->share * (double)count;
+  return (double)off <= r->settings->tolerated_pixels * (double)count;
 }
 
 static pl_status span(recording *r, double u0, double u1, const float *from, const float *to,
@@ -173,8 +173,9 @@ static pl_status check(const pl_frame_request *request, const pl_event_settings 
   if (settings->halvings < 0 || settings->halvings > PL_EVENT_HALVINGS_MAX)
     return pl_fail(PL_E_RANGE, "events: halvings must be in 0..%d, not %d", PL_EVENT_HALVINGS_MAX,
                    settings->halvings);
-  if (!(settings->tolerance > 0.0) || !(settings->share >= 0.0))
-    return pl_fail(PL_E_RANGE, "events: the tolerance must be above 0, the share at least 0");
+  if (!(settings->tolerance > 0.0) || !(settings->tolerated_pixels >= 0.0))
+    return pl_fail(PL_E_RANGE,
+                   "events: the tolerance must be above 0, tolerated_pixels at least 0");
   if (!(request->placement.shutter.exposure_s > 0.0) || request->placement.shutter.line_s > 0.0)
     return pl_fail(PL_E_ARGUMENT, "events need a time, and no rolling shutter");
   return PL_OK;

@@ -12,7 +12,7 @@ typedef struct pl_event_settings {
   int instants;     /* pictures that divide the time evenly: at least this many steps, >= 1 */
   int halvings;     /* a step is halved up to so many times */
   double tolerance; /* change of the logarithm, less the mean of its ends, that halves a step */
-  double share;     /* of the pixels that may be above it */
+  double tolerated_pixels; /* fraction of the pixels that may be above it */
 } pl_event_settings;
 
 /* Appends the events of the request's exposure, sorted; *pictures is how many were made. */

@@ -97,10 +97,9 @@ static pl_status guarded(cycle *c) {
   return PL_OK;
 }
 
-/* Upper bound of the size of a file. Without subsampling a pixel has three coefficients; with steps
- * of 1 their root mean square is at most 128, which takes 8 bits and a code of 10 bits: 7 bytes per
- * pixel, of which bytes of value 255 are doubled. Blocks have up to 16 x 16 pixels. A larger file
- * is an error. */
+/* Upper bound of the size of a file. Without subsampling a pixel has three coefficients. With steps
+ * of 1 their root mean square is at most 128: 8 bits and a code of 10 bits each, 7 bytes a pixel.
+ * Bytes of value 255 are doubled. Blocks have up to 16 x 16 pixels. A larger file is an error. */
 static size_t room_for(int width, int height) {
   const size_t columns = ((size_t)width + 15) / 16 * 16, rows = ((size_t)height + 15) / 16 * 16;
   return columns * rows * 12 + 4096;

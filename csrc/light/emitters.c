@@ -191,14 +191,14 @@ static double total_importance(const pl_emitters *list, pl_vec3 point) {
 static const pl_emitter *choose(const pl_emitters *list, pl_vec3 point, float *u,
                                 double *probability) {
   const double total = total_importance(list, point);
-  double left = (double)*u * total, share = importance(&list->items[0], point);
+  double left = (double)*u * total, drawn = importance(&list->items[0], point);
   size_t i = 0;
-  while (i + 1 < list->count && left >= share) {
-    left -= share;
-    share = importance(&list->items[++i], point);
+  while (i + 1 < list->count && left >= drawn) {
+    left -= drawn;
+    drawn = importance(&list->items[++i], point);
   }
-  *probability = share / total;
-  *u = pl_minf((float)(left / share), 1.0f - 0x1p-24f);
+  *probability = drawn / total;
+  *u = pl_minf((float)(left / drawn), 1.0f - 0x1p-24f);
   return &list->items[i];
 }
 

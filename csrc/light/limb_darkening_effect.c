@@ -11,11 +11,11 @@
  * side of a chord. MOMENT: first moment of half the disc, which determines the light at the
  * terminator. */
 static const double CHORD = 0.0283, MOMENT = 0.0178;
-/* All light of the sun but its disc's own image is a weighted mean of its radiance over the disc,
- * with weights of at least 0: of lobes, however narrow, of what a caster hides, and of bounces. A
- * disc with a dark limb changes it by a factor between the least and the greatest of its radiance
- * over the mean, at any wavelength: 0.167 and 1.347 (tests/c/test_limb.c). So one of both discs
- * gives the light of the other less at most this fraction. */
+/* Sunlight on surfaces is a weighted mean of the radiance over the disc. Lobes, casters and bounces
+ * set the weights, which are not negative. So a dark limb changes this light by a factor between
+ * the least and the greatest radiance over the mean radiance: 0.167 and 1.347 over all wavelengths
+ * (tests/c/test_limb.c). Of the two discs, uniform and with a dark limb, either gives the other's
+ * light less at most this fraction. */
 static const double LESS = 0.834;
 
 static const char *absent(const pl_view *view) {
@@ -29,8 +29,8 @@ static double bound_dn(const pl_view *view, int value) {
     return 255.0;
   if (pl_view_alpha_min(view) < PL_SUN_LOBE_RATIO * view->sun_radius_rad)
     return pl_view_dn_dimming(LESS);
-  const double share = CHORD * fmin(1.0, pl_penumbra_px(view)) + MOMENT * view->sun_radius_rad;
-  return fmin(pl_view_dn(view, share * pl_view_radiance_max(view)), pl_view_dn_dimming(LESS));
+  const double fraction = CHORD * fmin(1.0, pl_penumbra_px(view)) + MOMENT * view->sun_radius_rad;
+  return fmin(pl_view_dn(view, fraction * pl_view_radiance_max(view)), pl_view_dn_dimming(LESS));
 }
 
 static double cost_ms(const pl_view *view, int value) {

@@ -71,9 +71,9 @@ static double bound_dn(const pl_view *view, int value) {
     return 0.0;
   if (pl_view_alpha_min(view) < PL_SUN_LOBE_RATIO * view->sun_radius_rad)
     return pl_view_dn(view, view->white_radiance);
-  const double share =
+  const double fraction =
       fmin(1.0, TERMINATOR * view->sun_radius_rad + pl_penumbra_px(view)) + lobe_loss(view);
-  return pl_view_dn(view, share * pl_view_radiance_max(view));
+  return pl_view_dn(view, fraction * pl_view_radiance_max(view));
 }
 
 static double cost_ms(const pl_view *view, int value) {

@@ -9,7 +9,9 @@ static const double SHORTEST_UM = 0.01, LONGEST_UM = 1000.0, SHORTEST_STEP_UM = 
 
 /* --- curves */
 
-pl_status pl_curve_check(const pl_curve *curve) {
+/* Fails with PL_E_RANGE and names the point (from 0) that is not finite, out of order or outside
+ * 0.01 to 1000 um, or if there are fewer than two points. */
+static pl_status check_curve(const pl_curve *curve) {
   if (curve->count < 2)
     return pl_fail(PL_E_RANGE, "a curve needs at least two points, not %zu", curve->count);
   for (size_t i = 0; i < curve->count; i++) {
@@ -86,13 +88,14 @@ static double curve_total(const pl_curve *curve) {
 
 /* --- reflectances */
 
-void pl_reflectance_shares(double um, double shares[3]) {
+void pl_reflectance_weights(double um, double weights[3]) {
   const double place = fmin(fmax((um - TABLE_FIRST_UM) / TABLE_STEP_UM, 0.0), TABLE_ROWS - 1.0);
   const int row = place < TABLE_ROWS - 2.0 ? (int)place : TABLE_ROWS - 2;
   const double t = place - row;
   for (int c = 0; c < 2; c++)
-    shares[c] = reflectance_table[row][c] * (1.0 - t) + reflectance_table[row + 1][c] * t;
-  shares[2] = fmax(0.0, 1.0 - shares[0] - shares[1]); /* may be -1e-12 by rounding of the table */
+    weights[c] = reflectance_table[row][c] * (1.0 - t) + reflectance_table[row + 1][c] * t;
+  weights[2] =
+      fmax(0.0, 1.0 - weights[0] - weights[1]); /* may be -1e-12 by rounding of the table */
 }
 
 /* --- integrals */
@@ -137,20 +140,20 @@ static void add_piece(const integral *in, double from, double to, pl_band_light 
     double light = in->sun != NULL
                        ? in->sun_scale * value_at(in->sun, um)
                        : in->sun_scale * black_body(um) * (to <= SUN_EDGE_UM ? SUN_BLANKETED : 1.0);
-    double shares[3];
+    double basis[3];
     for (size_t k = 0; k < in->count; k++)
       light *= value_at(&in->responses[k], um);
     light *= half * weights[i / 2];
-    pl_reflectance_shares(um, shares);
+    pl_reflectance_weights(um, basis);
     for (int c = 0; c < 3; c++) {
-      out->part[c] += light * shares[c];
-      out->moment_um[c] += light * shares[c] * um;
+      out->part[c] += light * basis[c];
+      out->moment_um[c] += light * basis[c] * um;
     }
   }
 }
 
 static pl_status check_sun(const pl_curve *sun, const pl_curve *response) {
-  PL_TRY(pl_curve_check(sun));
+  PL_TRY(check_curve(sun));
   for (size_t i = 0; i < sun->count; i++)
     if (sun->points[i][1] < 0.0)
       return pl_fail(PL_E_RANGE, "point %zu of the sun's spectrum is negative", i);
@@ -170,7 +173,7 @@ pl_status pl_band_gather(const pl_curve *sun, const pl_curve *responses, size_t 
                    SHORTEST_STEP_UM);
   double um = SHORTEST_UM, last = LONGEST_UM;
   for (size_t i = 0; i < count; i++) {
-    PL_TRY(pl_curve_check(&responses[i]));
+    PL_TRY(check_curve(&responses[i]));
     um = fmax(um, first_of(&responses[i]));
     last = fmin(last, last_of(&responses[i]));
   }

@@ -12,15 +12,11 @@ typedef struct pl_curve {
   size_t count;              /* >= 2 */
 } pl_curve;
 
-/* Fails with PL_E_RANGE and names the point (from 0) that is not finite, out of order or outside
- * 0.01 to 1000 um, or if there are fewer than two points. */
-pl_status pl_curve_check(const pl_curve *curve);
-
 /* Weights of the red, green and blue components of a colour (linear sRGB) in the reflectance at a
- * wavelength (um): rho = sum colour[c] * shares[c]. The weights are not negative and sum to 1, so
+ * wavelength (um): rho = sum colour[c] * weights[c]. The weights are not negative and sum to 1, so
  * that white is spectrally flat and colours within 0..1 reflect no more light than they receive.
  * Constant outside 0.38 to 0.73 um. */
-void pl_reflectance_shares(double um, double shares[3]);
+void pl_reflectance_weights(double um, double weights[3]);
 
 /* Light of a band from sunlight reflected by a colour. */
 typedef struct pl_band_light {
@@ -39,8 +35,9 @@ typedef struct pl_band_light {
  * every 50 nm from 0.3 to 1.1 um, within 3 % in every 100 nm from 0.4 to 0.7 um, 10 % too faint
  * beyond 1.1 um.
  *
- * step_um: the longest piece, 1e-5 or more. Fails with PL_E_RANGE for curves that fail
- * pl_curve_check, a sun without light, or a first response that extends beyond the sun's spectrum.
+ * step_um: the longest piece, 1e-5 or more. Fails with PL_E_RANGE for a curve with
+ * fewer than two points or with a point (named, from 0) that is not finite, out of order or outside
+ * 0.01 to 1000 um, a sun without light, or a first response that extends beyond the sun's spectrum.
  */
 pl_status pl_band_gather(const pl_curve *sun, const pl_curve *responses, size_t count,
                          double step_um, pl_band_light *out);

@@ -273,15 +273,15 @@ PL_WIDE_PART void visit_smooth(search *restrict found, const site *restrict s,
     const float distance = sqrtf(s->distance2[i]);
     if (gap2[i] > found->limit2[i])
       continue;
-    const float share = expf((sqrtf(found->nearest.distance2[i]) - distance) * found->inverse[i]);
-    const float by = distance > 0.0f ? share / distance : 0.0f;
-    found->sum[i] += share;
+    const float weight = expf((sqrtf(found->nearest.distance2[i]) - distance) * found->inverse[i]);
+    const float by = distance > 0.0f ? weight / distance : 0.0f;
+    found->sum[i] += weight;
     for (int axis = 0; axis < 3; axis++)
       found->slope[axis][i] -= by * s->to[axis][i];
   }
 }
 
-/* Of -s ln sum exp(-d/s): the mean of the distances' gradients by their shares of the sum. */
+/* Of -s ln sum exp(-d/s): the mean of the distances' gradients by their fractions of the sum. */
 static void smooth_gradient(const search *found, const float smoothness[PL_LANES], size_t count,
                             float gradient[3][PL_LANES]) {
   for (size_t i = 0; i < PL_LANES; i++) {

@@ -36,19 +36,20 @@ float pl_white_noise(pl_vec3 point, float width, uint32_t seed) {
   if (!(left > 0.0f))
     return 0.5f;
   uint32_t first[3];
-  double share[3]; /* part of the box in the second cell */
+  double fraction[3]; /* part of the box in the second cell */
   for (int i = 0; i < 3; i++) {
     const box b = make_box(x[i], full);
     const int64_t start = b.cell - (b.low < 0.0);
     const double inside = (b.low < 0.0 ? b.high : b.high - 1.0);
-    share[i] = b.point ? 0.0 : clamp(inside / b.width, 0.0, 1.0);
+    fraction[i] = b.point ? 0.0 : clamp(inside / b.width, 0.0, 1.0);
     first[i] = (uint32_t)start;
   }
   double sum = 0.0;
   for (uint32_t k = 0; k < MOST * MOST * MOST; k++) {
     const uint32_t dx = k & 1u, dy = (k >> 1) & 1u, dz = k >> 2;
-    const double weight = (dx ? share[0] : 1.0 - share[0]) * (dy ? share[1] : 1.0 - share[1]) *
-                          (dz ? share[2] : 1.0 - share[2]);
+    const double weight = (dx ? fraction[0] : 1.0 - fraction[0]) *
+                          (dy ? fraction[1] : 1.0 - fraction[1]) *
+                          (dz ? fraction[2] : 1.0 - fraction[2]);
     if (weight > 0.0)
       sum += weight * (double)pl_lattice_uniform(
                           pl_lattice_hash3(seed, first[0] + dx, first[1] + dy, first[2] + dz), 0);

@@ -31,7 +31,9 @@ pl_status pl_j2_drift(const pl_elements *el, double gm_m3_s2, pl_flattening flat
   return PL_OK;
 }
 
-double pl_j2_mean_axis(const pl_orbit *orbit, pl_flattening flattening) {
+/* Mean semi-major axis, m, of an orbit that passes through `orbit` at t = 0, by Brouwer's
+ * first-order correction. Axes as for pl_j2_drift. */
+static double mean_axis(const pl_orbit *orbit, pl_flattening flattening) {
   pl_perifocal at;
   const double e = orbit->eccentricity, a = orbit->periapsis_m / (1.0 - e);
   if (pl_orbit_perifocal(orbit, 0.0, &at) != PL_OK)
@@ -88,7 +90,7 @@ const pl_propagator_kind pl_j2_kind = {
 /* Corrects the semi-major axis of the orbit; keeps eccentricity and mean anomaly. */
 static void correct(pl_orbit *orbit, pl_flattening flattening) {
   const double e = orbit->eccentricity, a = orbit->periapsis_m / (1.0 - e);
-  const double mean = pl_j2_mean_axis(orbit, flattening), ratio = mean / a;
+  const double mean = mean_axis(orbit, flattening), ratio = mean / a;
   orbit->periapsis_m *= ratio;
   orbit->alpha_m2_s2 /= ratio;
   orbit->since_periapsis_s *= ratio * sqrt(ratio);

@@ -26,10 +26,6 @@ typedef struct pl_drift {
 pl_status pl_j2_drift(const pl_elements *elements, double gm_m3_s2, pl_flattening flattening,
                       pl_drift *out);
 
-/* Mean semi-major axis, m, of an orbit that passes through `orbit` at t = 0, by Brouwer's
- * first-order correction. Axes as for pl_j2_drift. */
-double pl_j2_mean_axis(const pl_orbit *orbit, pl_flattening flattening);
-
 /* Creates the propagator from the mean elements of `orbit` at the epoch. If `osculating`, `orbit`
  * has osculating elements, of which only the semi-major axis is corrected to its mean value.
  * `frame` rotates the axes of the orbit to ICRF, `equator` those of the centre's equator. States

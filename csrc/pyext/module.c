@@ -88,7 +88,7 @@ static PyMethodDef functions[] = {
     {"exr_encode", pl_py_exr_encode, METH_VARARGS, "An OpenEXR file of named planes, as bytes."},
     {"exr_decode", pl_py_exr_decode, METH_VARARGS, "The planes of an OpenEXR file, by name."},
     {"gltf_graphs", pl_py_gltf_graphs, METH_O, "Graphs in the extras of a file's materials."},
-    {"mottling", pl_py_mottling, METH_O, "Shares of bright ground on a sample."},
+    {"mottling", pl_py_mottling, METH_O, "Fractions of bright ground on a sample."},
     {"png_encode", (PyCFunction)(void (*)(void))pl_py_png_encode, METH_VARARGS | METH_KEYWORDS,
      "The bytes of an image array as PNG."},
     {"png_grey", pl_py_png_grey, METH_VARARGS, "Numbers of a grey PNG of any depth, as 16 bits."},

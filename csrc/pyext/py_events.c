@@ -22,7 +22,7 @@ static int parse(PyObject *spec, const pl_frame_request *request, pl_event_setti
       {"leak_hz", &camera->leak_hz},
       {"noise_hz", &camera->noise_hz},
       {"tolerance", &out->tolerance},
-      {"share", &out->share},
+      {"tolerated_pixels", &out->tolerated_pixels},
   };
   for (size_t i = 0; i < sizeof members / sizeof members[0]; i++)
     if (pl_py_member_double(spec, members[i].key, where, members[i].value) < 0)

@@ -78,7 +78,7 @@ static PyMethodDef scan_methods[] = {
 };
 
 static PyGetSetDef scan_getset[] = {
-    {"folded", get_folded, NULL, "Share of directions in which overhangs were filled.", NULL},
+    {"folded", get_folded, NULL, "Fraction of directions in which overhangs were filled.", NULL},
     {NULL, NULL, NULL, NULL, NULL},
 };
 

@@ -50,9 +50,9 @@ static pl_rock_family_kind find_family(const char *name) {
   return (pl_rock_family_kind)k;
 }
 
-/* Shares of families by name; those that are not named have none. */
-static int families_of(PyObject *settings, double shares[PL_ROCK_FAMILIES]) {
-  PyObject *given, *name, *share;
+/* Weights of families by name; those that are not named have none. */
+static int families_of(PyObject *settings, double weights[PL_ROCK_FAMILIES]) {
+  PyObject *given, *name, *weight;
   if (pl_py_member(settings, "families", 1, "rocks", &given) < 0)
     return -1;
   if (given == Py_None) {
@@ -62,13 +62,13 @@ static int families_of(PyObject *settings, double shares[PL_ROCK_FAMILIES]) {
   Py_ssize_t at = 0;
   int failed = !PyDict_Check(given);
   if (failed)
-    PyErr_SetString(PyExc_TypeError, "rocks: families must be a dict of names and shares");
-  memset(shares, 0, PL_ROCK_FAMILIES * sizeof *shares);
-  while (!failed && PyDict_Next(given, &at, &name, &share)) {
+    PyErr_SetString(PyExc_TypeError, "rocks: families must be a dict of names and weights");
+  memset(weights, 0, PL_ROCK_FAMILIES * sizeof *weights);
+  while (!failed && PyDict_Next(given, &at, &name, &weight)) {
     const char *text = PyUnicode_Check(name) ? PyUnicode_AsUTF8AndSize(name, NULL) : "";
     const pl_rock_family_kind kind = text != NULL ? find_family(text) : PL_ROCK_FAMILIES;
     if (kind < PL_ROCK_FAMILIES)
-      shares[kind] = PyFloat_AsDouble(share);
+      weights[kind] = PyFloat_AsDouble(weight);
     else if (text != NULL)
       PyErr_Format(PyExc_ValueError, "rocks: no family '%s'; see ROCK_FAMILIES", text);
     failed = PyErr_Occurred() != NULL;

@@ -152,7 +152,7 @@ static bool is_clear(const square *s) {
   return !pl_sphere_in_cone(body->center, body->radius_m, axis, half_angle);
 }
 
-static float share_of(const square *s, const pl_air_pixel *said, const pl_air_pixel *is) {
+static float fraction_of(const square *s, const pl_air_pixel *said, const pl_air_pixel *is) {
   const pl_render_settings *settings = s->context->settings;
   return off_dn(settings, s->b->air->item->irradiance, said, is) / (SHARE * settings->noise_dn);
 }
@@ -169,7 +169,7 @@ static bool is_even(const square *s, const pl_air_corner *const nodes[NODES]) {
     const pl_air_corner *is =
         corner_at(s->context, s->b, s->x + x * s->side / 4, s->y + y * s->side / 4);
     const pl_air_pixel said = mix(nodes, 0.25f * (float)x, 0.25f * (float)y);
-    if (is->known != nodes[0]->known || share_of(s, &said, &is->air) > 1.0f)
+    if (is->known != nodes[0]->known || fraction_of(s, &said, &is->air) > 1.0f)
       return false;
   }
   return true;
@@ -198,7 +198,8 @@ static void take_pixel(const square *s) {
       return;
     add_weighted(&corner->air, 0.25f, &around);
   }
-  if ((middle.known == PL_AIR_SPACE && !is_clear(s)) || share_of(s, &around, &middle.air) > SIMPSON)
+  if ((middle.known == PL_AIR_SPACE && !is_clear(s)) ||
+      fraction_of(s, &around, &middle.air) > SIMPSON)
     return;
   add_weighted(&around, 1.0f / 3.0f, &mean);
   add_weighted(&middle.air, 2.0f / 3.0f, &mean);

@@ -62,10 +62,10 @@ static const double TOWNS_PER_RADIUS = 100.0;
 
 /* Factor by which the pattern of towns changes a map's brightness, for a footprint as wide as its
  * longer side, so that oblique views do not flicker. */
-static float towns_at(const pl_shot_body *body, const pl_body_place *place, float share) {
+static float towns_at(const pl_shot_body *body, const pl_body_place *place, float brightness) {
   const float asked_m = body->state->ground.towns_m;
   double size_m = (double)asked_m;
-  if (!(share > 0.0f) || asked_m == 0.0f)
+  if (!(brightness > 0.0f) || asked_m == 0.0f)
     return 1.0f;
   if (isnan(asked_m)) {
     const double radius_m = body->state->radii_m.x;
@@ -74,7 +74,7 @@ static float towns_at(const pl_shot_body *body, const pl_body_place *place, floa
     size_m = fmin(2.0 * PL_PI * radius_m / width, radius_m / TOWNS_PER_RADIUS);
   }
   const double side_m = fmax(pl_vec3_norm(place->across), pl_vec3_norm(place->along));
-  return pl_towns_factor(place->point, size_m, (float)side_m, share);
+  return pl_towns_factor(place->point, size_m, (float)side_m, brightness);
 }
 
 void pl_ground_light(const pl_shot_body *body, const pl_shot_sun *sun, const pl_body_place *place,

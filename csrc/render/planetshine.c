@@ -318,8 +318,8 @@ static void list_bodies(const pl_planetshine *p, const pl_planetshine_sky *sky,
 
 /* Sets the fraction of draws towards bodies; returns an estimate of the light of bodies that the
  * surface reflects. */
-static float share_bodies(const pl_planetshine *p, const pl_vertex *vertex, pl_vec3f wo,
-                          pl_planetshine_ray *out) {
+static float aim_at_bodies(const pl_planetshine *p, const pl_vertex *vertex, pl_vec3f wo,
+                           pl_planetshine_ray *out) {
   const pl_surface *s = &vertex->surface;
   const float color = pl_luminance(s->color);
   sums sums = {0.0f, 0.0f, 0.0f, 0.0f};
@@ -346,8 +346,8 @@ static float share_bodies(const pl_planetshine *p, const pl_vertex *vertex, pl_v
 
 /* Takes the fraction for mirrors from the fractions of bodies and lobe; `known`: light of bodies.
  */
-static void share_mirrors(const pl_caustics *caustics, const pl_vertex *vertex, pl_vec3f wo,
-                          float known, pl_planetshine_ray *out) {
+static void aim_at_mirrors(const pl_caustics *caustics, const pl_vertex *vertex, pl_vec3f wo,
+                           float known, pl_planetshine_ray *out) {
   const float light = pl_caustics_at(caustics, vertex, wo, &out->mirrors);
   const float color = pl_luminance(vertex->surface.color);
   if (!(light > 0.0f))
@@ -369,9 +369,9 @@ void pl_planetshine_at(const pl_planetshine *p, const pl_caustics *caustics,
   if (s->reflectance->layered && s->lobes.inside)
     return;
   if (p != NULL && p->skies[pl_shot_slot(p->shot, vertex->surface_id)].count > 0)
-    known = share_bodies(p, vertex, wo, out);
+    known = aim_at_bodies(p, vertex, wo, out);
   if (caustics != NULL)
-    share_mirrors(caustics, vertex, wo, known, out);
+    aim_at_mirrors(caustics, vertex, wo, known, out);
 }
 
 static float density(const pl_planetshine_ray *planetshine, float lobe, float bodies) {

@@ -317,11 +317,11 @@ static pl_surface_id body_at(const pl_path_context *context, const pl_tile_buffe
 }
 
 /* Whether a pixel lies on one body: if its centre and those around it do, since the body's outline
- * is convex. Likewise whether it lies on none. Another body would cover one of these centres or
- * stay outside the pixel: its outline is a union of discs of its smallest radius of curvature, and
- * a disc that extends half a pixel between two centres without covering them is smaller than a
- * pixel (the sagitta over a chord of one pixel is half a pixel only if the radius is). For bodies
- * whose radius of curvature is less than a few pixels see find_narrow. */
+ * is convex. Likewise whether it lies on none: a body that enters the pixel covers one of these
+ * centres. Its outline is a union of discs of its smallest radius of curvature. A disc that extends
+ * half a pixel between two centres and covers neither is smaller than a pixel: over a chord of one
+ * pixel the sagitta is half a pixel only if the radius is. For bodies whose radius of curvature is
+ * less than a few pixels see find_narrow. */
 static void compare_centres(const pl_surface_id at[BORDERED][BORDERED], pl_tile tile,
                             bool covered[PL_TILE_PIXELS]) {
   bool row[BORDERED][PL_TILE_SIDE];

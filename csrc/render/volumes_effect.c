@@ -14,10 +14,10 @@ static pl_view_entity entity_of(const pl_view_volume *volume) {
 }
 
 /* How a volume affects a frame. */
-typedef struct share {
+typedef struct influence {
   bool shades;   /* it blocks sunlight from objects, bodies or other media */
   double lights; /* maximum fraction of its radiance that an object or body in the frame reflects */
-} share;
+} influence;
 
 /* Whether there are other media that a volume may shadow: other volumes, clouds, rings. */
 static bool shades_media(const pl_view *view) {
@@ -27,9 +27,9 @@ static bool shades_media(const pl_view *view) {
   return view->volume_count > 1;
 }
 
-static share share_of(const pl_view *view, const pl_view_volume *volume) {
+static influence influence_of(const pl_view *view, const pl_view_volume *volume) {
   const pl_view_entity entity = entity_of(volume);
-  share out = {.shades = false};
+  influence out = {.shades = false};
   for (size_t i = 0; i < view->entity_count; i++) {
     const pl_view_entity *other = &view->entities[i];
     if ((other->in_frame || view->max_bounces > 0) && volume->depth > 0.0 &&
@@ -49,7 +49,7 @@ static double missing_dn(const pl_view *view) {
   double added = 0.0, depth = 0.0, sky_depth = 0.0;
   for (size_t i = 0; i < view->volume_count; i++) {
     const pl_view_volume *volume = &view->volumes[i];
-    const share s = share_of(view, volume);
+    const influence s = influence_of(view, volume);
     added += (volume->in_frame ? 1.0 + s.lights : s.lights) * (volume->scattered + volume->emitted);
     depth += ((volume->in_frame ? 1.0 : 0.0) + (s.shades ? 1.0 : 0.0)) * volume->depth;
     sky_depth += volume->in_frame ? volume->depth : 0.0;
@@ -64,7 +64,7 @@ static const char *absent(const pl_view *view) {
   if (view->volume_count == 0)
     return "there are no volumes";
   for (size_t i = 0; i < view->volume_count; i++) {
-    const share s = share_of(view, &view->volumes[i]);
+    const influence s = influence_of(view, &view->volumes[i]);
     if (view->volumes[i].in_frame || s.shades || s.lights > 0.0)
       return NULL;
   }

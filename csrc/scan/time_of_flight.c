@@ -29,7 +29,8 @@ static double divisor(double a, double b) {
   return a;
 }
 
-double pl_time_of_flight_ambiguity_m(const pl_time_of_flight *camera) {
+/* Largest distance that is told apart: that of the modulations' common period. */
+static double ambiguity_m(const pl_time_of_flight *camera) {
   double common = camera->modulation_hz[0];
   for (int i = 1; i < camera->modulations; i++)
     common = divisor(common, camera->modulation_hz[i]);
@@ -65,7 +66,7 @@ pl_status pl_time_of_flight_check(const pl_time_of_flight *camera) {
   PL_TRY(check_number("contrast", camera->contrast, 0.0, 1.0));
   PL_TRY(check_number("full_well_e", camera->full_well_e, 0.0, 1e30));
   PL_TRY(check_number("least_e", camera->least_e, 0.0, 1e30));
-  const double wraps = pl_time_of_flight_ambiguity_m(camera) / period_m(camera, finest(camera));
+  const double wraps = ambiguity_m(camera) / period_m(camera, finest(camera));
   if (wraps > WRAPS_MAX)
     return pl_fail(PL_E_RANGE,
                    "time_of_flight: the modulations repeat together only after %.0f periods of the "
@@ -110,7 +111,7 @@ static double off(const pl_time_of_flight *camera, const double *phases, int i, 
  * modulation the one with the least squares, then their mean by squared frequency. */
 static double unwrap(const pl_time_of_flight *camera, const double *phases) {
   const int fine = finest(camera);
-  const double step_m = period_m(camera, fine), common_m = pl_time_of_flight_ambiguity_m(camera);
+  const double step_m = period_m(camera, fine), common_m = ambiguity_m(camera);
   const double turn = phases[fine] / (2.0 * PL_PI), first_m = step_m * (turn - floor(turn));
   const int wraps = (int)floor(common_m / step_m + 0.5);
   double best_m = first_m, least = INFINITY;

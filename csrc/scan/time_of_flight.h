@@ -25,9 +25,6 @@ typedef struct pl_time_of_flight {
 /* Returns PL_E_RANGE, naming the value. */
 pl_status pl_time_of_flight_check(const pl_time_of_flight *camera);
 
-/* Largest distance that is told apart: that of the modulations' common period. */
-double pl_time_of_flight_ambiguity_m(const pl_time_of_flight *camera);
-
 typedef struct pl_time_of_flight_pixel {
   double range_m;      /* NAN below least_e, and where a tap is full */
   double true_range_m; /* mean over the pixel's echoes by power; NAN without any */

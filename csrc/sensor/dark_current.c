@@ -15,12 +15,12 @@ static void add_row(pl_sensor_frame *frame, int y) {
   const double square = log1p(sensor->dark_nonuniform * sensor->dark_nonuniform);
   const size_t first = (size_t)y * (size_t)frame->width;
   for (size_t i = first; i < first + (size_t)frame->width; i++) {
-    double share = 1.0;
+    double factor = 1.0;
     if (square > 0.0) {
       pl_stream stream = pl_stream_of(sensor->serial, PL_DRAW_DARK, i, 0);
-      share = exp(sqrt(square) * pl_stream_normal(&stream) - 0.5 * square);
+      factor = exp(sqrt(square) * pl_stream_normal(&stream) - 0.5 * square);
     }
-    frame->electrons[i] += mean * share;
+    frame->electrons[i] += mean * factor;
   }
 }
 

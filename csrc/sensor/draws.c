@@ -21,7 +21,8 @@ double pl_stream_uniform(pl_stream *stream) {
   return pl_philox_double(words[0]);
 }
 
-double pl_stream_open(pl_stream *stream) { return pl_stream_uniform(stream) + 0x1p-54; }
+/* As pl_stream_uniform, but never 0, so that its logarithm is finite. */
+static double stream_open(pl_stream *stream) { return pl_stream_uniform(stream) + 0x1p-54; }
 
 double pl_stream_normal(pl_stream *stream) {
   uint64_t words[4];
@@ -60,7 +61,7 @@ static double poisson_by_rejection(pl_stream *stream, double mean) {
   const double b = 0.931 + 2.53 * sqrt(mean), a = -0.059 + 0.02483 * b;
   const double inverse_alpha = 1.1239 + 1.1328 / (b - 3.4), v_r = 0.9277 - 3.6224 / (b - 2.0);
   for (;;) {
-    const double u = pl_stream_uniform(stream) - 0.5, v = pl_stream_open(stream);
+    const double u = pl_stream_uniform(stream) - 0.5, v = stream_open(stream);
     const double us = 0.5 - fabs(u);
     const double k = floor((2.0 * a / us + b) * u + mean + 0.43);
     if (us >= 0.07 && v <= v_r)

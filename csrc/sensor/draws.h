@@ -30,10 +30,8 @@ typedef struct pl_stream {
 /* `frame` is 0 for quantities that are the same in all frames. */
 pl_stream pl_stream_of(uint64_t seed, pl_draw what, uint64_t item, uint64_t frame);
 
-/* The next number in [0, 1) with 53 bits. The variant `open` never returns 0, so that its logarithm
- * is finite. */
+/* The next number in [0, 1) with 53 bits. */
 double pl_stream_uniform(pl_stream *stream);
-double pl_stream_open(pl_stream *stream);
 /* The next number of the standard normal distribution (Box and Muller 1958). */
 double pl_stream_normal(pl_stream *stream);
 /* The next number of the Poisson distribution. Exact below a mean of 1e4: by inversion below 10,

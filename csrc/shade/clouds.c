@@ -25,21 +25,21 @@ bool pl_clouds_valid(const pl_clouds *c) {
          within((double)c->warp, -10.0, 10.0) && within((double)c->phase, -1e6, 1e6);
 }
 
-/* Quantile of the standard normal distribution at `share`, 0 < share < 1, to 1e-6, by the inverse
- * error function (Giles 2010, Approximating the erfinv function, GPU Computing Gems). */
-static float normal_place(float share) {
+/* Quantile of the standard normal distribution at `fraction`, 0 < fraction < 1, to 1e-6, by the
+ * inverse error function (Giles 2010, Approximating the erfinv function, GPU Computing Gems). */
+static float normal_place(float fraction) {
   static const float middle[9] = {2.81022636e-08f,  3.43273939e-07f, -3.5233877e-06f,
                                   -4.39150654e-06f, 0.00021858087f,  -0.00125372503f,
                                   -0.00417768164f,  0.246640727f,    1.50140941f};
   static const float tails[9] = {-0.000200214257f, 0.000100950558f, 0.00134934322f,
                                  -0.00367342844f,  0.00573950773f,  -0.0076224613f,
                                  0.00943887047f,   1.00167406f,     2.83297682f};
-  const float w = -logf(4.0f * share * (1.0f - share));
+  const float w = -logf(4.0f * fraction * (1.0f - fraction));
   const float *row = w < 5.0f ? middle : tails, at = w < 5.0f ? w - 2.5f : sqrtf(w) - 3.0f;
   float p = row[0];
   for (int i = 1; i < 9; i++)
     p = row[i] + p * at;
-  return p * (2.0f * share - 1.0f) * (float)(2.0 * SQRT_HALF);
+  return p * (2.0f * fraction - 1.0f) * (float)(2.0 * SQRT_HALF);
 }
 
 /* Amplitudes of the octaves, as in math/fractal.c. */

@@ -6,7 +6,7 @@
 
 /* Weight of a body's clouds in a frame: 1 if they are visible, less if they only scatter light onto
  * objects in the frame or shade them, 0 for neither. */
-static double share_of(const pl_view *view, const pl_view_entity *body) {
+static double fraction_of(const pl_view *view, const pl_view_entity *body) {
   if (body->clouds == NULL)
     return 0.0;
   if (body->clouds_in_frame)
@@ -17,7 +17,7 @@ static double share_of(const pl_view *view, const pl_view_entity *body) {
 static const char *absent(const pl_view *view) {
   bool any = false;
   for (size_t i = 0; i < view->entity_count; i++) {
-    if (share_of(view, &view->entities[i]) > 0.0)
+    if (fraction_of(view, &view->entities[i]) > 0.0)
       return NULL;
     any |= view->entities[i].clouds != NULL;
   }
@@ -49,12 +49,12 @@ static const double TILTED = 1.8;
  * added, or the same part of the background is removed, once along the sun's light and twice along
  * the ray. */
 static double changed_dn(const pl_view *view, const pl_view_entity *body, double cover,
-                         double share) {
+                         double fraction) {
   const double tilted = body->clouds->relief_m > 0.0f ? TILTED : 1.0;
-  const double bright = share * cover * tilted * pl_view_light(body);
+  const double bright = fraction * cover * tilted * pl_view_light(body);
   const double dimmed = pl_view_dn_dimming(fmin(1.0, 3.0 * cover));
   const double sky = pl_view_sky_dn(view, cover * pl_view_sky_max(view));
-  if (share < 1.0)
+  if (fraction < 1.0)
     return pl_view_dn(view, 3.0 * bright) + sky;
   return pl_view_dn(view, 2.0 * bright) + dimmed + sky;
 }
@@ -63,8 +63,8 @@ static double bound_dn(const pl_view *view, int value) {
   double sum = 0.0;
   for (size_t i = 0; i < view->entity_count; i++) {
     const pl_view_entity *body = &view->entities[i];
-    const double share = share_of(view, body);
-    if (!(share > 0.0))
+    const double fraction = fraction_of(view, body);
+    if (!(fraction > 0.0))
       continue;
     double error =
         value == 0 ? 1.0 : pl_clouds_detail_error(body->clouds, value, footprint_m(view, body));
@@ -72,7 +72,7 @@ static double bound_dn(const pl_view *view, int value) {
       error = 1.0; /* there is no such bound for depths and slopes */
     const double cover = (double)body->clouds->opacity * error;
     if (cover > 0.0)
-      sum += changed_dn(view, body, cover, share);
+      sum += changed_dn(view, body, cover, fraction);
   }
   return fmin(sum, 255.0);
 }

@@ -139,7 +139,7 @@ pl_hapke_terms pl_hapke_terms_of(const pl_hapke *hapke, const pl_hapke_angles *a
   if (out.dark)
     return out;
   out.phase = *phase;
-  out.share = relief->mu0e / sum;
+  out.lommel_seeliger = relief->mu0e / sum;
   out.shadowing = relief->shadowing;
   out.x[0] = relief->mu0e / phase->k;
   out.x[1] = relief->mue / phase->k;
@@ -158,7 +158,7 @@ double pl_hapke_of_terms(const pl_hapke *hapke, const pl_hapke_terms *terms) {
                            : h_of(hapke->w, gamma, terms->x[k], terms->logarithm[k]);
   const double multiple = h[0] * h[1] - 1.0;
   const pl_hapke_at_phase *phase = &terms->phase;
-  return phase->k * hapke->w / (4.0 * PL_PI) * terms->share * (phase->single + multiple) *
+  return phase->k * hapke->w / (4.0 * PL_PI) * terms->lommel_seeliger * (phase->single + multiple) *
          phase->coherent * terms->shadowing;
 }
 

@@ -73,10 +73,10 @@ pl_hapke_at_phase pl_hapke_at_phase_of(const pl_hapke *hapke, const pl_hapke_ang
 typedef struct pl_hapke_terms {
   bool dark; /* the reflectance is 0 */
   pl_hapke_at_phase phase;
-  double share;        /* mu0e / (mu0e + mue) */
-  double shadowing;    /* S */
-  double x[2];         /* arguments of H: those of mu0e and mue */
-  double logarithm[2]; /* log1p(1/x), as H of 2002 needs it */
+  double lommel_seeliger; /* mu0e / (mu0e + mue) */
+  double shadowing;       /* S */
+  double x[2];            /* arguments of H: those of mu0e and mue */
+  double logarithm[2];    /* log1p(1/x), as H of 2002 needs it */
 } pl_hapke_terms;
 pl_hapke_terms pl_hapke_terms_of(const pl_hapke *hapke, const pl_hapke_angles *angles,
                                  const pl_hapke_relief *relief, const pl_hapke_at_phase *phase);

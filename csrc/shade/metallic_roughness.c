@@ -75,7 +75,7 @@ static view view_of(const pl_surface *s, pl_vec3f wo) {
 /* Factor of the diffuse base relative to a white Lambertian surface. The sample implementation of
  * glTF has 1 - F(wo.h), with which a smooth white dielectric reflects up to twice the incident
  * light. */
-static float base_share(const view *v, const pl_surface *s, float cos_i) {
+static float base_fraction(const view *v, const pl_surface *s, float cos_i) {
   if (!(s->metallic < 1.0f))
     return 0.0f;
   const float in = 1.0f - pl_ggx_glass_albedo(&v->glass, cos_i);
@@ -97,7 +97,7 @@ static pl_vec3f value_of(const view *v, const pl_surface *s, pl_vec3f wo, pl_vec
   const float g = 1.0f / (1.0f + v->lambda + pl_ggx_lambda(v->alpha, wi));
   const float specular =
       pl_ggx_density(v->alpha, v->alpha, h) * g / (4.0f * pl_maxf(wo.z, PL_GGX_COSINE_MIN));
-  const float base = base_share(v, s, wi.z) * wi.z / PL_PI_F;
+  const float base = base_fraction(v, s, wi.z) * wi.z / PL_PI_F;
   const float again = broad(v, s, &in, wi.z);
   const pl_vec3f c = s->color;
   return pl_vec3f_make(

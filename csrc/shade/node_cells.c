@@ -59,7 +59,7 @@ static const pl_socket checker_inputs[] = {
 };
 static const pl_socket checker_outputs[] = {
     {"color", PL_COLOR, {0.0f, 0.0f, 0.0f}, "Mean over the footprint"},
-    {"value", PL_SCALAR, {0.0f, 0.0f, 0.0f}, "Share of a in the footprint"}};
+    {"value", PL_SCALAR, {0.0f, 0.0f, 0.0f}, "Fraction of a in the footprint"}};
 
 const pl_node_kind pl_node_checker = {
     .name = "checker",

@@ -21,12 +21,12 @@ PL_WIDE_PART float blend(int mode, float a, float b) {
 
 PL_WIDE static void mix(const pl_node_call *call) {
   const float(*a)[PL_LANES] = *call->in[1], (*b)[PL_LANES] = *call->in[2];
-  const float *share = (*call->in[0])[0];
+  const float *fraction = (*call->in[0])[0];
   float(*out)[PL_LANES] = call->out[0];
   const int mode = (int)call->constants[0].number;
   for (int k = 0; k < 3; k++)
     PL_EACH_LANE(i) {
-      const float factor = pl_minf(pl_maxf(share[i], 0.0f), 1.0f);
+      const float factor = pl_minf(pl_maxf(fraction[i], 0.0f), 1.0f);
       out[k][i] = (1.0f - factor) * a[k][i] + factor * blend(mode, a[k][i], b[k][i]);
     }
   PL_EACH_LANE(i) out[3][i] = pl_maxf(a[3][i], b[3][i]);
@@ -48,17 +48,17 @@ PL_WIDE_PART float blend_slope(int mode, float a, float b, float da, float db) {
 
 PL_WIDE static void mix_slopes(const pl_node_call *call) {
   const float(*a)[PL_LANES] = *call->in[1], (*b)[PL_LANES] = *call->in[2];
-  const float *share = (*call->in[0])[0];
+  const float *fraction = (*call->in[0])[0];
   const float(*da)[3][PL_LANES] = *call->in_slopes[1], (*db)[3][PL_LANES] = *call->in_slopes[2];
-  const float(*dshare)[3][PL_LANES] = *call->in_slopes[0];
+  const float(*dfraction)[3][PL_LANES] = *call->in_slopes[0];
   float(*out)[3][PL_LANES] = call->out_slopes[0];
   const int mode = (int)call->constants[0].number;
   mix(call);
   for (size_t axis = 0; axis < 2; axis++)
     for (int k = 0; k < 3; k++)
       PL_EACH_LANE(i) {
-        const float factor = pl_minf(pl_maxf(share[i], 0.0f), 1.0f);
-        const float rise = factor == share[i] ? dshare[axis][0][i] : 0.0f;
+        const float factor = pl_minf(pl_maxf(fraction[i], 0.0f), 1.0f);
+        const float rise = factor == fraction[i] ? dfraction[axis][0][i] : 0.0f;
         const float slope =
             rise * (blend(mode, a[k][i], b[k][i]) - a[k][i]) + (1.0f - factor) * da[axis][k][i] +
             factor * blend_slope(mode, a[k][i], b[k][i], da[axis][k][i], db[axis][k][i]);

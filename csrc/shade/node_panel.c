@@ -49,7 +49,7 @@ static const pl_socket brick_inputs[] = {
     {"shift", PL_SCALAR, {0.5f, 0.5f, 0.5f}, "Of every second row, in bricks"},
 };
 static const pl_socket brick_outputs[] = {
-    {"cover", PL_SCALAR, {0.0f, 0.0f, 0.0f}, "Share of the footprint that is brick, not joint"},
+    {"cover", PL_SCALAR, {0.0f, 0.0f, 0.0f}, "Fraction of the footprint that is brick, not joint"},
     {"random", PL_SCALAR, {0.0f, 0.0f, 0.0f}, "Uniform in 0..1, one a brick"}};
 static const pl_constant_row seed_constants[] = {PL_PATTERN_SEED};
 
@@ -102,9 +102,9 @@ static const pl_socket panel_inputs[] = {
     {"finger_width", PL_SCALAR, {0.0001f, 0.0001f, 0.0001f}, "Of each"},
 };
 static const pl_socket panel_outputs[] = {
-    {"cell", PL_SCALAR, {0.0f, 0.0f, 0.0f}, "Share of the footprint that is bare cell"},
-    {"metal", PL_SCALAR, {0.0f, 0.0f, 0.0f}, "Share that is busbar or finger"},
-    {"gap", PL_SCALAR, {0.0f, 0.0f, 0.0f}, "Share that is gap"},
+    {"cell", PL_SCALAR, {0.0f, 0.0f, 0.0f}, "Fraction of the footprint that is bare cell"},
+    {"metal", PL_SCALAR, {0.0f, 0.0f, 0.0f}, "Fraction that is busbar or finger"},
+    {"gap", PL_SCALAR, {0.0f, 0.0f, 0.0f}, "Fraction that is gap"},
     {"random", PL_SCALAR, {0.0f, 0.0f, 0.0f}, "Uniform in 0..1, one a cell"}};
 
 const pl_node_kind pl_node_panel = {

@@ -321,8 +321,8 @@ static float let_in(const under_coat *c, const base_albedo *a, float f0, float f
   return pl_ggx_base_share(c->out * out, c->in * in, mean);
 }
 
-static pl_vec3f base_share(const view *v, const pl_surface *s, const under_coat *c, pl_vec3f wo,
-                           pl_vec3f wi) {
+static pl_vec3f base_fraction(const view *v, const pl_surface *s, const under_coat *c, pl_vec3f wo,
+                              pl_vec3f wi) {
   if (v->eta > 0.0f && s->lobes.inside) {
     /* There is no table: the reflectance at the more grazing of both directions is used. */
     const float f = 1.0f - pl_fresnel(pl_minf(wo.z, wi.z), v->eta);
@@ -350,11 +350,11 @@ static pl_vec3f above(const view *v, const pl_surface *s, pl_vec3f wo, pl_vec3f 
   const float again =
       m * more.broad > 0.0f ? m * pl_ggx_base_share(c.out, c.in, c.mean) * more.broad : 0.0f;
   const float lambert = v->diffuse * wi.z / PL_PI_F;
-  const pl_vec3f share = lambert > 0.0f ? base_share(v, s, &c, wo, wi) : (pl_vec3f){0};
+  const pl_vec3f fraction = lambert > 0.0f ? base_fraction(v, s, &c, wo, wi) : (pl_vec3f){0};
   const pl_vec3f base = {
-      band(s->color.x, f.x * mirror, again, further.x, share.x * lambert),
-      band(s->color.y, f.y * mirror, again, further.y, share.y * lambert),
-      band(s->color.z, f.z * mirror, again, further.z, share.z * lambert),
+      band(s->color.x, f.x * mirror, again, further.x, fraction.x * lambert),
+      band(s->color.y, f.y * mirror, again, further.y, fraction.y * lambert),
+      band(s->color.z, f.z * mirror, again, further.z, fraction.z * lambert),
   };
   const pl_vec3f out = of_coat(v, wo), in = of_coat(v, wi);
   if (!(v->coat_weight > 0.0f) || !(in.z > 0.0f))

@@ -3,8 +3,8 @@
  * The mean of a reflectance over facets with normally distributed slopes, weighted by the areas
  * that the viewer sees, which other facets neither hide nor shade: Smith's shadowing (1967), of sun
  * and viewer together by van Ginneken et al. (1998). The mean is taken over four slopes, exact to
- * the third order. The shares that are lit and seen are taken over four, too: so all light on the
- * mean surface is received, and facets fill all of the view.
+ * the third order. The fractions that are lit and seen are taken over four, too: so all light on
+ * the mean surface is received, and facets fill all of the view.
  *
  * A rock is a flat top and two rings of sides: their slopes and shares are chosen so that they
  * throw the shadows, and have the brightness, of the rocks that meshes show. Rocks lie anywhere, so

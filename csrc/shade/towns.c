@@ -34,8 +34,8 @@ typedef struct strengths {
   float power, scale; /* scale: normalises the mean to 1 */
 } strengths;
 
-static strengths strengths_of(float share) {
-  const float k = 0.25f - 0.15f * share, left = 1.0f - k;
+static strengths strengths_of(float brightness) {
+  const float k = 0.25f - 0.15f * brightness, left = 1.0f - k;
   return (strengths){-k, (1.0f - LEAST) * left / (1.0f - powf(LEAST, left))};
 }
 
@@ -67,8 +67,8 @@ static float octave(pl_vec3 cell, uint32_t seed, const strengths *law) {
   return light;
 }
 
-float pl_towns_factor(pl_vec3 point, double size_m, float width_m, float share) {
-  const strengths law = strengths_of(pl_minf(pl_maxf(share, 0.0f), 1.0f));
+float pl_towns_factor(pl_vec3 point, double size_m, float width_m, float brightness) {
+  const strengths law = strengths_of(pl_minf(pl_maxf(brightness, 0.0f), 1.0f));
   float factor = 1.0f;
   double scale = 1.0 / size_m;
   for (uint32_t i = 0; i < OCTAVES; i++) {

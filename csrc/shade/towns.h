@@ -10,8 +10,8 @@
 /* Factor on the light of a map at a point of a body, body axes, m. The pattern has cells of
  * `size_m` and two more octaves, each with a third of the cell size of the one before; `width_m`:
  * diameter of the footprint. The spatial mean is 1 at any width; the factor fades to 1 where the
- * footprint hides the towns. `share`: value of the map relative to white, 0..1: dark regions have
- * fewer towns rather than dimmer ones. */
-float pl_towns_factor(pl_vec3 point, double size_m, float width_m, float share);
+ * footprint hides the towns. `brightness`: value of the map relative to white, 0..1: dark regions
+ * have fewer towns rather than dimmer ones. */
+float pl_towns_factor(pl_vec3 point, double size_m, float width_m, float brightness);
 
 #endif

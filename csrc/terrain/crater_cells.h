@@ -72,7 +72,7 @@ void pl_crater_draw_terraces(const pl_crater_field *field, const pl_scatter_site
 /* How much of a crater of a size shows on a mesh with cells of a footprint, [0, 1]. */
 double pl_crater_fade(double diameter_m, double footprint_m);
 
-/* Share of a crater that is drawn in a direction beside what models show; 1 without. */
+/* Fraction of a crater that is drawn in a direction beside what models show; 1 without. */
 double pl_crater_left(const pl_crater_field *field, const pl_crater_model *model, pl_vec3 direction,
                       double diameter_m);
 
@@ -90,9 +90,10 @@ static inline bool pl_crater_younger(double age_a, uint64_t id_a, double age_b, 
 /* Least ratio of diameters at which the younger removes some of the older; at its inverse all. */
 #define PL_CRATER_ERASE_RATIO 0.70710678118654752
 
-/* Share of an older crater that a younger one removes within its rim, by their diameters. */
+/* Fraction of an older crater that a younger one removes within its rim, by their diameters. */
 double pl_crater_erasure(double younger_m, double older_m);
-/* Share of that at a chord^2 from the centre of a crater of a radius (over the body's radius). */
+/* Fraction of that at a chord^2 from the centre of a crater of a radius (over the body's radius).
+ */
 double pl_crater_erasure_at(double chord2, double radius);
 
 #endif

@@ -71,7 +71,7 @@ static bool encloses(const marks *all, const mark *at, pl_vec3 direction) {
   return u * u + v * v < rim * rim;
 }
 
-/* Share of the relief of a crater that younger ones left in a direction. */
+/* Fraction of the relief of a crater that younger ones left in a direction. */
 static double kept_at(const marks *all, const mark *at, pl_vec3 direction) {
   const pl_crater_model model = pl_terrain_crater_model(all->terrain);
   double kept =

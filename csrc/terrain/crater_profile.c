@@ -55,8 +55,8 @@ double pl_crater_tau(double diameter_m, double age_ga, double diffusivity_1km, d
   return 1e3 * age_ga * diffusivity / (0.25 * diameter_m * diameter_m);
 }
 
-/* Share of the depth below the rim's height inside: 1 on the floor, 0 from the rim on. The wall is
- * the cubic of Fassett and Thomson between any floor and the rim. */
+/* Fraction of the depth below the rim's height inside: 1 on the floor, 0 from the rim on. The wall
+ * is the cubic of Fassett and Thomson between any floor and the rim. */
 static double bowl(double x, double floor) {
   if (x >= 1.0)
     return 0.0;
@@ -135,19 +135,19 @@ pl_status pl_crater_shapes_create(pl_crater_shapes **out) {
 void pl_crater_shapes_destroy(pl_crater_shapes *shapes) { pl_free(shapes); }
 
 /* Position of a tau between the times that shapes are kept for. */
-static int time_of(double tau, float *share) {
+static int time_of(double tau, float *fraction) {
   const double last = TAU_MIN * exp2(0.5 * (TIMES - 1));
   tau = fmin(fmax(tau, 0.0), fmin(last, PL_CRATER_TAU_MAX));
   const double at = tau <= TAU_MIN ? tau / TAU_MIN : 1.0 + 2.0 * log2(tau / TAU_MIN);
   const int time = (int)fmin(at, TIMES - 1.0);
-  *share = (float)(at - time);
+  *fraction = (float)(at - time);
   return time;
 }
 
 void pl_crater_profile(const pl_crater_shapes *shapes, const pl_crater_dimensions *fresh,
                        double tau, float profile[PL_CRATER_KNOTS]) {
-  float share, weights[PARTS] = {0.0f};
-  const int time = time_of(tau, &share);
+  float fraction, weights[PARTS] = {0.0f};
+  const int time = time_of(tau, &fraction);
   const int wide = fresh->floor > bowl_floors[1];
   const double f = (fresh->floor - bowl_floors[wide]) / (bowl_floors[wide + 1] - bowl_floors[wide]);
   weights[wide] = (float)(-fresh->depth_m * (1.0 - f));
@@ -162,7 +162,7 @@ void pl_crater_profile(const pl_crater_shapes *shapes, const pl_crater_dimension
       continue;
     const float *a = shapes->parts[time][part], *b = shapes->parts[time + 1][part];
     for (int k = 0; k < KNOTS; k++)
-      profile[k + 1] += weights[part] * (a[k] + share * (b[k] - a[k]));
+      profile[k + 1] += weights[part] * (a[k] + fraction * (b[k] - a[k]));
   }
   profile[0] = profile[2];
   profile[PL_CRATER_KNOTS - 2] = profile[PL_CRATER_KNOTS - 1] = 0.0f;

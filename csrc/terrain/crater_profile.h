@@ -29,7 +29,7 @@ typedef struct pl_crater_dimensions {
  * craters have rings instead. */
 pl_crater_dimensions pl_crater_fresh(double diameter_m);
 
-/* Share of a crater that is complex: 0 up to 10 km, 1 from 20 km on. */
+/* Fraction of a crater that is complex: 0 up to 10 km, 1 from 20 km on. */
 double pl_crater_complex(double diameter_m);
 
 /* Time of diffusion over R^2/diffusivity. Diffusivity (m^2 per Myr) grows as D^exponent from its

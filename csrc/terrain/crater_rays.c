@@ -21,9 +21,9 @@ static const double GRAIN[2] = {1.7, 5.3}, UNEVEN = 1.4;
 
 /* By diameter, in equal steps of its logarithm. */
 struct pl_crater_brightness {
-  double low, step;       /* log of the least diameter, and of the ratio of two */
-  double share[BINS + 1]; /* of craters of a diameter that are not faded, or a little more */
-  double mean[BINS];      /* of the excess by craters of a bin */
+  double low, step;          /* log of the least diameter, and of the ratio of two */
+  double fraction[BINS + 1]; /* of craters of a diameter that are not faded, or a little more */
+  double mean[BINS];         /* of the excess by craters of a bin */
 };
 
 typedef struct ray {
@@ -67,7 +67,7 @@ double pl_crater_freshness(const pl_crater_rays *rays, double diameter_m, double
   return left > 0.0 ? left * left : 0.0;
 }
 
-/* A share from 16 bits of a word. */
+/* A fraction from 16 bits of a word. */
 static double part(uint64_t word, int k) { return (double)(word >> 16 * k & 0xffff) * 0x1p-16; }
 
 static void draw_rays(const pl_scatter *scatter, uint64_t id, double reach, fresh *out) {
@@ -155,8 +155,8 @@ static double pattern_area(const pl_crater_field *field) {
   return 2.0 * PL_PI * sum / ((double)CRATERS * TURNS * STEPS);
 }
 
-/* Share of the craters of a diameter that are not faded; `mean`: of the freshness of all. */
-static double fresh_share(const pl_crater_frame *frame, double diameter_m, double *mean) {
+/* Fraction of the craters of a diameter that are not faded; `mean`: of the freshness of all. */
+static double fresh_fraction(const pl_crater_frame *frame, double diameter_m, double *mean) {
   enum { AGES = 16 };
   const double oldest_ga = pl_crater_oldest_drawn_ga(frame, diameter_m);
   const double all = pl_crater_chronology(oldest_ga);
@@ -186,8 +186,8 @@ pl_status pl_crater_brightness_create(const pl_crater_field *field, pl_crater_br
     const double from_m = exp(made->low + k * made->step), to_m = from_m * exp(made->step);
     const double middle_m = sqrt(from_m * to_m);
     double mean, unused;
-    made->share[k] = fresh_share(frame, from_m, &unused);
-    fresh_share(frame, middle_m, &mean);
+    made->fraction[k] = fresh_fraction(frame, from_m, &unused);
+    fresh_fraction(frame, middle_m, &mean);
     if (k < BINS)
       made->mean[k] = area * middle_m * middle_m * mean *
                       (pl_size_table_density(field->scatter.sizes, from_m) -
@@ -227,7 +227,7 @@ static bool may_be_fresh(const gathered *all, const pl_scatter_site *site) {
   const pl_crater_brightness *of = all->field->brightness;
   const double place = (log(site->diameter_m) - of->low) / of->step;
   const int k = place <= 0.0 ? 0 : place < BINS ? (int)place : BINS - 1;
-  return pl_crater_draw_rank(all->field, site) <= 1.02 * fmax(of->share[k], of->share[k + 1]);
+  return pl_crater_draw_rank(all->field, site) <= 1.02 * fmax(of->fraction[k], of->fraction[k + 1]);
 }
 
 static pl_status keep(void *context, const pl_scatter_site *site) {

@@ -17,7 +17,7 @@ typedef struct pl_crater_brightness pl_crater_brightness;
 pl_status pl_crater_brightness_create(const pl_crater_field *field, pl_crater_brightness **out);
 void pl_crater_brightness_destroy(pl_crater_brightness *brightness);
 
-/* Share of its first brightness that a crater keeps. */
+/* Fraction of its first brightness that a crater keeps. */
 double pl_crater_freshness(const pl_crater_rays *rays, double diameter_m, double age_ga);
 
 /* Writes the excess over the mean at unit directions, from about -0.2 to 1, of craters of

@@ -27,10 +27,10 @@ typedef struct touching {
   float profile[PL_CRATER_KNOTS]; /* m */
 } touching;
 
-/* A younger crater that removes a share of an older one within its rim. */
+/* A younger crater that removes a fraction of an older one within its rim. */
 typedef struct eraser {
   size_t crater;
-  double share;
+  double fraction;
 } eraser;
 
 typedef struct gathered {
@@ -189,8 +189,8 @@ static double height_at(const gathered *all, size_t near_count, pl_vec3 directio
     const eraser *erasers = all->erasers + crater->first_eraser;
     for (size_t m = 0; m < crater->eraser_count; m++) {
       const bound *younger = &all->bounds[erasers[m].crater];
-      z *= 1.0 -
-           erasers[m].share * pl_crater_erasure_at(chord2_to(younger, direction), younger->radius);
+      z *= 1.0 - erasers[m].fraction *
+                     pl_crater_erasure_at(chord2_to(younger, direction), younger->radius);
     }
     sum += z;
   }

@@ -34,9 +34,9 @@ static double mean_slope_area(const pl_crater_field *field, double diameter_m) {
   return sum / AGES;
 }
 
-/* Share of a crater's variance of slopes that a mesh leaves out, by its diameter in cells. Heights
- * fade in; of the slopes of wide craters, normals between posts keep what they keep of waves as
- * long (terrain/sub_cell.c), within a tenth. */
+/* Fraction of a crater's variance of slopes that a mesh leaves out, by its diameter in cells.
+ * Heights fade in; of the slopes of wide craters, normals between posts keep what they keep of
+ * waves as long (terrain/sub_cell.c), within a tenth. */
 static double left_out(double cells) {
   const double t = fmin(
       fmax((cells - PL_CRATER_FADE_FROM) / (PL_CRATER_FADE_TO - PL_CRATER_FADE_FROM), 0.0), 1.0);

@@ -89,11 +89,11 @@ double pl_detail_correlation(double cells) {
          72.0 / 280.0 * diagonal * diagonal * diagonal;
 }
 
-/* Equations: the sum over octaves of `share` times the octave's variance, relative to the wanted
+/* Equations: the sum over octaves of `fraction` times the octave's variance, relative to the wanted
  * nu(L)^2, is 1 at two baselines an octave. */
 typedef struct octave_fit {
   int levels, lags;
-  double share[2 * PL_CUBE_LEVELS][PL_CUBE_LEVELS];
+  double fraction[2 * PL_CUBE_LEVELS][PL_CUBE_LEVELS];
 } octave_fit;
 
 static void set_up(const pl_terrain_detail *detail, double radius_m, int first, octave_fit *fit) {
@@ -103,7 +103,7 @@ static void set_up(const pl_terrain_detail *detail, double radius_m, int first, 
     const double wanted = pl_terrain_detail_deviation_m(detail, lag_m);
     for (int k = 0; k < fit->levels; k++) {
       const double rest = 1.0 - pl_detail_correlation(lag_m / pl_cube_cell_m(first + k, radius_m));
-      fit->share[m][k] = 2.0 * rest / (wanted * wanted);
+      fit->fraction[m][k] = 2.0 * rest / (wanted * wanted);
     }
   }
 }
@@ -118,10 +118,10 @@ static void improve(const octave_fit *fit, double *variance) {
   for (int m = 0; m < fit->lags; m++) {
     double sum = 0.0;
     for (int k = 0; k < fit->levels; k++)
-      sum += fit->share[m][k] * variance[k];
+      sum += fit->fraction[m][k] * variance[k];
     for (int k = 0; k < fit->levels; k++) {
-      above[k] += fit->share[m][k];
-      below[k] += fit->share[m][k] * sum;
+      above[k] += fit->fraction[m][k];
+      below[k] += fit->fraction[m][k] * sum;
     }
   }
   for (int k = 0; k < fit->levels; k++)

@@ -11,10 +11,10 @@
 
 int pl_ground_levels(const pl_terrain *terrain, const pl_ground_tile_view *view) {
   const double radius_m = pl_terrain_radius_m(terrain);
-  const double share = ROUNDING * view->pixel_rad / view->cells_per_pixel;
+  const double fraction = ROUNDING * view->pixel_rad / view->cells_per_pixel;
   const double clear_m = pl_ground_clear_m(terrain, view->eye);
-  /* c is halved if c > share (distance - REACH c). */
-  const double halved_m = share * clear_m / (1.0 + share * REACH);
+  /* c is halved if c > fraction (distance - REACH c). */
+  const double halved_m = fraction * clear_m / (1.0 + fraction * REACH);
   const int level = pl_cube_level(fmax(halved_m, view->finest_m), radius_m);
   return level > PL_GROUND_TILE_SHIFT ? level : PL_GROUND_TILE_SHIFT;
 }

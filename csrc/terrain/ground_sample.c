@@ -54,8 +54,8 @@ double pl_clods_cover(const pl_clods *of) {
 static clod draw(const pl_clods *of, uint64_t n) {
   pl_philox_stream s = {.key = {of->seed ^ UINT64_C(0x636c6f6473), n}};
   const double least = law(of, of->max_m), all = law(of, of->min_m);
-  const double share = (least + (all - least) * (1.0 - pl_philox_next(&s))) / of->density;
-  clod out = {.radius = 0.5 * COUNTED_M * pow(share, -1.0 / of->exponent)};
+  const double fraction = (least + (all - least) * (1.0 - pl_philox_next(&s))) / of->density;
+  clod out = {.radius = 0.5 * COUNTED_M * pow(fraction, -1.0 / of->exponent)};
   out.x = of->size_m * pl_philox_next(&s); /* initialisers have no order */
   out.y = of->size_m * pl_philox_next(&s);
   const double turn = 2.0 * PL_PI * pl_philox_next(&s);
@@ -172,7 +172,7 @@ static int ascending(const void *a, const void *b) {
   return x < y ? -1 : x > y;
 }
 
-/* The value that a share of the numbers is above; `sorted` is overwritten. */
+/* The value that a fraction of the numbers is above; `sorted` is overwritten. */
 static double quantile(const float *values, size_t count, double above, float *sorted) {
   memcpy(sorted, values, count * sizeof *sorted);
   qsort(sorted, count, sizeof *sorted, ascending);

@@ -25,18 +25,19 @@ typedef struct pl_clods {
 /* Writes heights over the soil between clods, m: means over pixels. PL_E_RANGE with a text that
  * names what is wrong. */
 pl_status pl_clods_make(const pl_clods *given, float *heights_m);
-/* Share of the ground that outlines of clods sum to. */
+/* Fraction of the ground that outlines of clods sum to. */
 double pl_clods_cover(const pl_clods *given);
 
 /* Two kinds of ground, as dust and bedrock, by a fractal of an exponent `hurst`: `cover` is the
- * share of the bright one, `border` the width of their transition in deviations of the fractal. */
+ * fraction of the bright one, `border` the width of their transition in deviations of the fractal.
+ */
 typedef struct pl_mottling {
   uint64_t seed;
   int pixels;
   double cover, border, hurst;
 } pl_mottling;
 
-/* Writes the share of the bright kind, 0 to 1, less its mean over the sample. */
+/* Writes the fraction of the bright kind, 0 to 1, less its mean over the sample. */
 pl_status pl_mottling_make(const pl_mottling *given, float *out);
 
 #endif

@@ -115,29 +115,29 @@ static double ramp(double t) {
 
 static double ramp_slope(double t) { return t > 0.0 && t < 1.0 ? 6.0 * t * (1.0 - t) : 0.0; }
 
-/* A face about a point: its coordinates, its share of the ground there, and their gradients by the
- * unit direction. */
+/* A face about a point: its coordinates, its fraction of the ground there, and their gradients by
+ * the unit direction. */
 typedef struct beside {
   int face;
-  double s, t, share;
-  pl_vec3 ds, dt, dshare;
+  double s, t, fraction;
+  pl_vec3 ds, dt, dfraction;
 } beside;
 
-/* Finds the share of a face; false where it has none. */
-static bool find_share(int face, pl_vec3 to, double seam, beside *out) {
+/* Finds the fraction of a face; false where it has none. */
+static bool find_fraction(int face, pl_vec3 to, double seam, beside *out) {
   double s, t;
   if (!pl_cube_beside(face, to, &s, &t))
     return false;
   const double from[2] = {(1.0 - fabs(s) + seam) / (2.0 * seam),
                           (1.0 - fabs(t) + seam) / (2.0 * seam)};
-  const double share[2] = {ramp(from[0]), ramp(from[1])};
-  if (!(share[0] * share[1] > 0.0))
+  const double fraction[2] = {ramp(from[0]), ramp(from[1])};
+  if (!(fraction[0] * fraction[1] > 0.0))
     return false;
-  *out = (beside){.face = face, .s = s, .t = t, .share = share[0] * share[1]};
+  *out = (beside){.face = face, .s = s, .t = t, .fraction = fraction[0] * fraction[1]};
   pl_cube_gradients(face, to, &out->ds, &out->dt);
-  const double by_s = -copysign(ramp_slope(from[0]) / (2.0 * seam), s) * share[1];
-  const double by_t = -copysign(ramp_slope(from[1]) / (2.0 * seam), t) * share[0];
-  out->dshare = pl_vec3_madd(pl_vec3_scale(out->ds, by_s), by_t, out->dt);
+  const double by_s = -copysign(ramp_slope(from[0]) / (2.0 * seam), s) * fraction[1];
+  const double by_t = -copysign(ramp_slope(from[1]) / (2.0 * seam), t) * fraction[0];
+  out->dfraction = pl_vec3_madd(pl_vec3_scale(out->ds, by_s), by_t, out->dt);
   return true;
 }
 
@@ -163,15 +163,15 @@ static int add_face(const pl_ground_texture *texture, double radius_m, const bes
       out[count++] = (patch){
           .face = at->face,
           .node = {nodes[k][0], nodes[k][1]},
-          .weight = at->share * w[k] * w[k],
-          .dweight =
-              pl_vec3_madd(pl_vec3_scale(dw[k], 2.0 * at->share * w[k]), w[k] * w[k], at->dshare),
+          .weight = at->fraction * w[k] * w[k],
+          .dweight = pl_vec3_madd(pl_vec3_scale(dw[k], 2.0 * at->fraction * w[k]), w[k] * w[k],
+                                  at->dfraction),
       };
   return count;
 }
 
-/* Faces that reach over a point to where they have a share have at least this part of its greatest
- * coordinate outwards: seams are at most a twentieth of the face to either side. */
+/* Faces that reach over a point to where they have a fraction have at least this part of its
+ * greatest coordinate outwards: seams are at most a twentieth of the face to either side. */
 #define LEAST_OUTWARD 0.8
 
 /* Finds the patches of a point, with weights whose squares sum to 1, but not their images. */
@@ -185,7 +185,7 @@ static int weigh_patches(const pl_ground_texture *texture, double radius_m, pl_v
   for (int face = 0; face < PL_CUBE_FACES; face++) {
     beside at;
     if (pl_cube_outward(face, to) >= LEAST_OUTWARD * most && count + 3 <= PATCHES &&
-        find_share(face, to, seam, &at))
+        find_fraction(face, to, seam, &at))
       count += add_face(texture, radius_m, &at, &out[count]);
   }
   for (int k = 0; k < count; k++) {
@@ -262,7 +262,7 @@ static const pl_raster *raster_of(const pl_ground_texture *texture, pl_ground_te
                                        : texture->albedo;
 }
 
-/* Share of deviations over a footprint: wider ones than patches have the mean. */
+/* Fraction of deviations over a footprint: wider ones than patches have the mean. */
 static double left_of(const pl_ground_texture *texture, double footprint_m) {
   return 1.0 - ramp((footprint_m / edge_m(texture) - FADE_FROM) / FADE_FROM);
 }
@@ -378,9 +378,9 @@ double pl_ground_texture_texel_m(const pl_ground_texture *texture) {
   return texture->size_m / (double)pl_raster_frame_of(texture->heights)->width;
 }
 
-/* Mean of the sum over patches of squares of the changes of their weights along an axis, over an
- * edge: the integral over a triangle of half the squares of the gradients of b_k^2 / sqrt(b_1^4 +
- * b_2^4 + b_3^4), b being barycentric coordinates. */
+/* Mean squared derivative of the patches' weights along an axis, summed over patches, for edges of
+ * length 1. It is the integral, over a triangle, of half the squared gradients of the weights
+ * b_k^2 / sqrt(b_1^4 + b_2^4 + b_3^4), where b are barycentric coordinates. */
 #define WEIGHT_CHANGES 5.35744
 
 /* A place of an image as patches lay it, over its width and height; `weight`: square of the patch's
@@ -409,9 +409,9 @@ static laid_place place_of(int k, double wide, double high) {
                       b[0] * b[0] * b[0] * b[0] / squares};
 }
 
-/* Variance of slopes of laid heights at cells of a level: of those of the image, and of weights
- * that change across heights. Patches do not know each other, and squares of weights sum to 1:
- * products of both cancel. */
+/* Variance of slopes of laid heights at cells of a level. It has two terms: the slopes of the
+ * image, and the change of weights across heights. Their products cancel, since patches are
+ * independent and squares of weights sum to 1. */
 static double measure(const pl_ground_texture *texture, int level) {
   enum { POINTS = 4096 };
   const double size_m = texture->size_m, edge = edge_m(texture), aspect = tall(texture->heights);

@@ -82,8 +82,8 @@ static pl_vec3 snap3(pl_vec3 p, double step) {
 }
 
 /* The end of the skirt at an edge post: on the way to the next post outwards, and lower. */
-static pl_vec3 skirt_of(pl_vec3 edge, pl_vec3 next, double share, double drop_m) {
-  const pl_vec3 out = pl_vec3_madd(edge, share, pl_vec3_sub(next, edge));
+static pl_vec3 skirt_of(pl_vec3 edge, pl_vec3 next, double fraction, double drop_m) {
+  const pl_vec3 out = pl_vec3_madd(edge, fraction, pl_vec3_sub(next, edge));
   return pl_vec3_madd(out, -drop_m, pl_vec3_unit(edge));
 }
 

@@ -11,7 +11,7 @@
 /* Cells that cast a shadow are halved where they are this much wider than the cells that it falls
  * on: they end up at most twice as wide. */
 #define SHADOW_ROUNDING (2.0 * ROUNDING)
-/* Ground of a tile is within this share of its width above and below its middle, which slopes of
+/* Ground of a tile is within this fraction of its width above and below its middle, which slopes of
  * 30 degrees all the way to a corner reach. Beyond, tiles may be chosen too coarse. */
 #define STEEP 0.4
 /* The height of a tile's middle is that of a lattice whose cells are a quarter as wide. */

@@ -6,9 +6,6 @@
 
 #include "base/status.h"
 
-/* Greatest number of profiles that are diffused together. */
-#define PL_RADIAL_PROFILES 8
-
 /* Advances `profiles` profiles by the time tau. z[p * cells + i] is the mean of profile p over the
  * ring from i `width` to (i + 1) `width`; nothing flows through the outer end. `steps` equal
  * implicit steps: of second order (Crank-Nicolson) or, with `smooth`, of first order without

@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-/* Directions from which the mean over a body is found, and the footprint of each: a share of the
+/* Directions from which the mean over a body is found, and the footprint of each: a fraction of the
  * whole sphere. */
 enum { LOOKS = 4096 };
 

@@ -21,14 +21,14 @@ pl_rock_frame pl_rock_frame_default(double radius_m) {
                          .most_burial = 0.5,
                          .repose_rad = 35.0 * PL_PI / 180.0,
                          .ejecta = {.craters = {.life_ga = 0.3, .least_m = 25.0}}};
-  static const double shares[PL_ROCK_FAMILIES] = {
+  static const double weights[PL_ROCK_FAMILIES] = {
       [PL_ROCK_BLOCK] = 3.0, [PL_ROCK_CUBE] = 1.0,    [PL_ROCK_WEDGE] = 2.0,
       [PL_ROCK_SLAB] = 1.0,  [PL_ROCK_TABLET] = 0.5,  [PL_ROCK_SHARD] = 0.5,
       [PL_ROCK_SPLIT] = 1.0, [PL_ROCK_COBBLE] = 1.0,  [PL_ROCK_BOULDER] = 4.0,
       [PL_ROCK_EGG] = 0.5,   [PL_ROCK_BRECCIA] = 2.0, [PL_ROCK_PITTED] = 2.0,
   };
   for (int k = 0; k < PL_ROCK_FAMILIES; k++)
-    frame.families[k] = shares[k];
+    frame.families[k] = weights[k];
   return frame;
 }
 
@@ -38,9 +38,9 @@ static pl_status check_scans(const pl_rock_frame *frame) {
     return pl_fail(PL_E_RANGE, "%zu models of rocks; at most %d", frame->scan_count,
                    PL_ROCK_VARIANTS);
   if (shared && frame->scan_count == 0)
-    return pl_fail(PL_E_RANGE, "the family 'model' of rocks has a share, but no models");
+    return pl_fail(PL_E_RANGE, "the family 'model' of rocks has a weight, but no models");
   if (!shared && frame->scan_count > 0)
-    return pl_fail(PL_E_RANGE, "models of rocks need a share of the family 'model'");
+    return pl_fail(PL_E_RANGE, "models of rocks need a weight of the family 'model'");
   return PL_OK;
 }
 
@@ -49,13 +49,13 @@ static pl_status check_families(const pl_rock_frame *frame) {
   double sum = 0.0;
   for (int k = 0; k < PL_ROCK_FAMILIES; k++) {
     if (!(frame->families[k] >= 0.0 && isfinite(frame->families[k])))
-      return pl_fail(PL_E_RANGE, "share %g of rocks of family '%s'; must be 0 or more",
+      return pl_fail(PL_E_RANGE, "weight %g of rocks of family '%s'; must be 0 or more",
                      frame->families[k], pl_rock_families[k].name);
     sum += frame->families[k];
   }
   return sum > 0.0 && isfinite(sum)
              ? PL_OK
-             : pl_fail(PL_E_RANGE, "the shares of families of rocks sum to %g; must be above 0",
+             : pl_fail(PL_E_RANGE, "the weights of families of rocks sum to %g; must be above 0",
                        sum);
 }
 

@@ -11,7 +11,7 @@ struct pl_rock_field {
   pl_scatter blocks;                 /* candidates for those about craters; empty without */
   pl_rock_sphere *spheres;           /* owned */
   pl_rock_variant *variants;         /* owned */
-  double families[PL_ROCK_FAMILIES]; /* cumulative shares, the last 1 */
+  double families[PL_ROCK_FAMILIES]; /* cumulative weights, the last 1 */
 };
 
 /* Candidates of a cell: those of the law, then blocks, whose ids have a bit of their own. */

@@ -62,10 +62,11 @@ static double density_table(const pl_rock_law *law, double d) {
 }
 
 const pl_rock_law_row pl_rock_laws[PL_ROCK_LAWS] = {
-    [PL_ROCKS_GOLOMBEK] = {"golombek",
-                           "Golombek and Rapp (1997): the share of ground covered by rocks of D or "
-                           "more is abundance exp(-decay D).",
-                           density_golombek},
+    [PL_ROCKS_GOLOMBEK] =
+        {"golombek",
+         "Golombek and Rapp (1997): the fraction of ground covered by rocks of D or "
+         "more is abundance exp(-decay D).",
+         density_golombek},
     [PL_ROCKS_CHANGE_3] = {"change_3",
                            "The site of Chang'E-3 (Di et al. 2016), in a young mare: golombek with "
                            "abundance 0.0125 and decay 1.743 per m.",

@@ -101,11 +101,11 @@ pl_sub_cell pl_terrain_sub_cell(const pl_terrain *terrain, pl_vec3 direction, in
   /* Of octaves with cells as wide as the footprint all is resolved, of half as wide ones none. */
   const double finest = 1.0 + log2(pl_cube_cell_m(0, terrain->radius_m) / footprint_m);
   for (; k <= last; k++) {
-    const double share = k < coarsest ? 0.0 : fmin(fmax(finest - k, 0.0), 1.0);
-    if (k > level && k >= coarsest && !(share > 0.0))
+    const double fraction = k < coarsest ? 0.0 : fmin(fmax(finest - k, 0.0), 1.0);
+    if (k > level && k >= coarsest && !(fraction > 0.0))
       break;
     const int wider = level - k;
-    const double added = share * (wider >= 0 ? ADDED[wider] : 1.0);
+    const double added = fraction * (wider >= 0 ? ADDED[wider] : 1.0);
     const double kept = wider >= 0 ? VARIANCE[wider] + 2.0 * added * COVARIANCE[wider] : 0.0;
     if (table->octave[k] > 0.0 && added > 0.0)
       out.slope = pl_vec3_madd(out.slope, added,

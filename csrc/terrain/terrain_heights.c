@@ -241,9 +241,9 @@ static pl_status base_heights(work *w, const pl_vec3 *directions, size_t count, 
   return PL_OK;
 }
 
-pl_status pl_terrain_heights_below(const pl_terrain *terrain, size_t layers,
-                                   const pl_vec3 *directions, size_t count, int level,
-                                   double *heights_m) {
+/* Writes heights without craters, textures and tracks, of the first `layers` rasters and detail. */
+static pl_status heights_below(const pl_terrain *terrain, size_t layers, const pl_vec3 *directions,
+                               size_t count, int level, double *heights_m) {
   work w;
   PL_TRY(begin(&w, terrain, level));
   w.above = layers;
@@ -276,7 +276,7 @@ static pl_status add_apron(pl_terrain *terrain, size_t n, double apron_m) {
   const double posts = (double)(frame->width > frame->height ? frame->width : frame->height);
   const double width_posts = fmax(layer->given.border_posts, posts / PL_APRON_PIECES);
   const int level = pl_cube_level(width_posts * layer->spacing_m, terrain->radius_m);
-  PL_TRY(pl_terrain_heights_below(terrain, n, directions, PL_APRON_PLACES, level, below_m));
+  PL_TRY(heights_below(terrain, n, directions, PL_APRON_PLACES, level, below_m));
   for (int k = 0; k < PL_APRON_PLACES; k++)
     below_m[k] = mean_height_m(terrain, layer, u[k], v[k], directions[k], width_posts) - below_m[k];
   PL_TRY(pl_alloc_or_fail(1, sizeof *layer->apron, "the apron of a raster", &memory));
@@ -312,7 +312,7 @@ static double posts_m(const void *context, pl_vec3 direction) {
   return INFINITY;
 }
 
-/* Share of a crater that is drawn beside the rasters that show it, for pl_crater_model. It fades
+/* Fraction of a crater that is drawn beside the rasters that show it, for pl_crater_model. It fades
  * over half its radius, so that the raster stands on no cliff. */
 static double left_of(const void *context, pl_vec3 direction, double diameter_m, double posts) {
   const pl_terrain *terrain = context;

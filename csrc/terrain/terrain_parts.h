@@ -25,7 +25,7 @@ typedef struct pl_slope_table {
   double octave[PL_CUBE_LEVELS];     /* of the octave of detail of this level */
   double beyond[PL_CUBE_LEVELS + 1]; /* of all octaves from this level on */
   double craters[PL_CUBE_LEVELS];    /* of what cells of this level leave out of craters */
-  double stones[PL_CUBE_LEVELS];     /* share of the ground under rocks that such cells leave out */
+  double stones[PL_CUBE_LEVELS]; /* fraction of the ground under rocks that such cells leave out */
   double stone_relief[PL_CUBE_LEVELS]; /* of their surface */
   double stone_height;                 /* of these over the ground, over their width */
   double textures[PL_CUBE_LEVELS];     /* of what cells of this level leave out of textures */
@@ -61,10 +61,6 @@ struct pl_terrain {
 
 /* Makes the aprons of layers; those below them have theirs. */
 pl_status pl_terrain_add_aprons(pl_terrain *terrain, const double *aprons_m);
-/* Writes heights without craters, textures and tracks, of the first `layers` rasters and detail. */
-pl_status pl_terrain_heights_below(const pl_terrain *terrain, size_t layers,
-                                   const pl_vec3 *directions, size_t count, int level,
-                                   double *heights_m);
 /* What the rasters show of craters. */
 pl_crater_model pl_terrain_crater_model(const pl_terrain *terrain);
 /* Copies and checks textures. */

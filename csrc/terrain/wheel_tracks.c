@@ -280,7 +280,7 @@ static double extreme(const pl_wheel_tracks *tracks, pl_vec3 direction, double m
   return out;
 }
 
-/* Share of a footprint of half a width that lies in ruts. */
+/* Fraction of a footprint of half a width that lies in ruts. */
 static double cover_at(const path *of, const spot *at, double reach_m) {
   const double half = 0.5 * of->shape.width_m, reach = fmax(reach_m, 0.1 * half);
   const double gauge = 0.5 * of->shape.gauge_m;

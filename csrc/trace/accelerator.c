@@ -127,8 +127,10 @@ static pl_status build_model(pl_accelerators *kept, const pl_model *model, RTCSc
   return status;
 }
 
-pl_status pl_accelerator_of_model(pl_accelerators *kept, const pl_model *model,
-                                  const pl_model_accelerator **out) {
+/* Returns the accelerator of a model, which is built on first use and cached; valid until the next
+ * call. */
+static pl_status accelerator_of_model(pl_accelerators *kept, const pl_model *model,
+                                      const pl_model_accelerator **out) {
   for (size_t i = 0; i < kept->model_count; i++) {
     if (kept->models[i].model == model) {
       *out = &kept->models[i];
@@ -159,7 +161,7 @@ size_t pl_accelerator_count(const pl_shot_object *object) {
 static pl_status open_instance(pl_accelerators *kept, const pl_shot_object *object,
                                const pl_model *model, pl_instance *out) {
   const pl_model_accelerator *own = NULL;
-  PL_TRY(pl_accelerator_of_model(kept, model, &own));
+  PL_TRY(accelerator_of_model(kept, model, &own));
   *out = (pl_instance){.model = model,
                        .scene = own->scene,
                        .coincident = own->coincident,

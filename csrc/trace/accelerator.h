@@ -40,10 +40,6 @@ void pl_ground_tiles_destroy(pl_accelerators *kept);
 /* Returns PL_E_DEVICE (or PL_E_MEMORY) with Embree's error if one is pending; `doing` completes the
  * error text. */
 pl_status pl_accelerator_check(const pl_accelerators *kept, const char *doing);
-/* Returns the accelerator of a model, which is built on first use and cached; valid until the next
- * call. */
-pl_status pl_accelerator_of_model(pl_accelerators *kept, const pl_model *model,
-                                  const pl_model_accelerator **out);
 /* Returns the number of instances of an object: 1, or the number of its pieces. */
 size_t pl_accelerator_count(const pl_shot_object *object);
 /* Places the instances that are present in `out` and their number in *count. */

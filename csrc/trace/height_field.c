@@ -76,7 +76,7 @@ static pl_status make_meshes(build *build, int threads, pl_cancel *cancel) {
   return pl_parallel_for(threads, meshes->count - build->first_mesh, make_mesh, build, cancel);
 }
 
-/* Each of the new tiles counts with its rocks and an equal share of what Embree allocated. */
+/* Each of the new tiles counts with its rocks and an equal fraction of what Embree allocated. */
 static void count_new(const build *build, long long before) {
   pl_ground_tiles *tiles = build->tiles;
   const long long grids = atomic_load(&tiles->embree_bytes) - before;

@@ -96,7 +96,7 @@ CRATER: Sequence[tuple[Any, ...]]
 id (below 2^63, the same in any list); direction (3,) of the centre and major (3,) along the major
 axis, unit, in body axes; diameter_m (mean of both axes), axis_ratio; age_ga; tau (degradation: time
 of diffusion over R^2/diffusivity); depth_m and rim_m (degraded: rim to floor, and over the surface
-before the impact); kept (share of the height at its centre that younger craters left)."""
+before the impact); kept (fraction of the height at its centre that younger craters left)."""
 
 RIM_IMAGE: Sequence[tuple[Any, ...]]
 """Description (name, type, shape) for numpy.dtype of the image of a rim:
@@ -465,7 +465,7 @@ class Renderer:
     ) -> tuple[NDArray[Any], int]:
         """Events (n,) of EVENT in the request's exposure, and how many pictures were made. camera:
         {"on", "off", "mismatch", "dark", "refractory_s", "leak_hz", "noise_hz", "tolerance",
-        "share", "instants", "halvings"}."""
+        "tolerated_pixels", "instants", "halvings"}."""
     def measure_rays(
         self, request: FrameRequest, repeats: int, /) -> dict[str, tuple[int, float, float]]:
         """For benchmarks: "primary" and "shadow" rays of a frame -> (rays, seconds in the tracer,

@@ -74,7 +74,7 @@ class RockScan:
         does not surround the mean of its area."""
     @property
     def folded(self) -> float:
-        """Share of directions in which overhangs were filled."""
+        """Fraction of directions in which overhangs were filled."""
     def radii(self, directions: F64, /) -> F64:
         """(n,) distances of the surface in directions (n, 3)."""
 
@@ -88,7 +88,7 @@ class RockField:
         law "table": (n, 2) diameters, m, and densities of rocks of these or more, 1/m^2), seed (0 to
         2^64 - 1), min_diameter_m, max_diameter_m, least_burial and most_burial (parts of the height
         below the ground), repose_rad (no rocks on steeper slopes), fillet (height of the soil at
-        their feet over theirs, 0 to 0.3), families (shares by names of
+        their feet over theirs, 0 to 0.3), families (weights by names of
         ROCK_FAMILIES; those not named have none), models (up to 32
         RockScans, of the family "model"), ejecta_at_rim (density of blocks at rims of new
         craters over that of the law), ejecta_life_ga, ejecta_least_crater_m."""
@@ -191,4 +191,4 @@ def clods(settings: ClodSettings, /) -> NDArray[np.float32]:
     key."""
 
 def mottling(settings: MottlingSettings, /) -> NDArray[np.float32]:
-    """Shares of bright ground less their mean, (pixels, pixels)."""
+    """Fractions of bright ground less their mean, (pixels, pixels)."""

@@ -41,7 +41,7 @@ def _simulation(config: ConfigSource | Simulation, seed: int | None) -> Simulati
 
 
 def _threads(threads: int | None) -> int:
-    """The given number; default: this worker's share of the processors."""
+    """The given number; default: this worker's part of the processors."""
     workers = torch_worker()[1]
     return threads if threads is not None else max(1, default_threads() // workers)
 

@@ -23,12 +23,12 @@ static inline pl_air_settings random_air(test_random *random, double radius_m, d
     s.mie_upper_height_m = s.mie_height_m * random_range(random, 0.5, 3.0);
   }
   const double gas = random_scale(random, low, high), haze = random_scale(random, low, high);
-  const double share = random_range(random, 0.5, 1.0), g = random_range(random, -0.3, 0.8);
+  const double fraction = random_range(random, 0.5, 1.0), g = random_range(random, -0.3, 0.8);
   for (int k = 0; k < 3; k++) {
     const double blue = random_range(random, 0.2, 1.0);
     s.rayleigh_scattering[k] = blue * gas / s.rayleigh_height_m;
     s.mie_extinction[k] = haze / s.mie_height_m;
-    s.mie_scattering[k] = share * s.mie_extinction[k];
+    s.mie_scattering[k] = fraction * s.mie_extinction[k];
     s.mie_g[k] = g;
     s.ozone_absorption[k] = random_unit(random) * 0.2 * gas / height_m;
     s.ground_albedo[k] = random_unit(random);

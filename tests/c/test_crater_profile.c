@@ -38,8 +38,8 @@ static void test_fresh_dimensions(void **state) {
    * craters by the law for large ones would be higher than the whole rim. */
   for (double d = 0.01; d < 26.0; d *= 1.5) {
     fresh = pl_crater_fresh(d);
-    const double share = fresh.depth_m / (0.1829 * pow(d, 1.010));
-    NEAR(fresh.rim_m, share * 0.0327 * pow(d, 1.014), 0.002 * fresh.rim_m);
+    const double fraction = fresh.depth_m / (0.1829 * pow(d, 1.010));
+    NEAR(fresh.rim_m, fraction * 0.0327 * pow(d, 1.014), 0.002 * fresh.rim_m);
     NEAR(fresh.ejecta_m, 0.5 * fresh.rim_m, 1e-12);
   }
 }
@@ -175,8 +175,8 @@ static void test_fresh_profile(void **state) {
   }
 }
 
-/* Share of the depth from rim to centre that is left: 0.975, 0.889, 0.602, 0.405, 0.152 and 0.043
- * for the profile of Fassett and Thomson. Ours has another flank and a sharper crest. */
+/* Fraction of the depth from rim to centre that is left: 0.975, 0.889, 0.602, 0.405, 0.152 and
+ * 0.043 for the profile of Fassett and Thomson. Ours has another flank and a sharper crest. */
 static void test_degraded_depth(void **state) {
   const double tau[6] = {1e-3, 0.01, 0.05, 0.1, 0.3, 1.0};
   const double left[6] = {0.975, 0.889, 0.602, 0.405, 0.152, 0.043};

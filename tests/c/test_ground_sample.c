@@ -17,8 +17,8 @@ static const pl_clods surveyor = {.seed = 3,
                                   .density = 150.0,
                                   .exponent = 2.11};
 
-/* Share of pixels that clods are higher than 0 on. */
-static double share_of(pl_clods of, float *heights, float *highest) {
+/* Fraction of pixels that clods are higher than 0 on. */
+static double fraction_of(pl_clods of, float *heights, float *highest) {
   size_t count = 0;
   *highest = 0.0f;
   assert_int_equal(pl_clods_make(&of, heights), PL_OK);
@@ -36,20 +36,20 @@ static float *sample(void) {
   return out;
 }
 
-/* Numbers by the law: the shares of two ranges of sizes are as those of their outlines, and so are
- * those of densities. Outlines are narrower than circles, but touch more pixels. */
+/* Numbers by the law: the fractions of two ranges of sizes are as those of their outlines, and so
+ * are those of densities. Outlines are narrower than circles, but touch more pixels. */
 static void test_law(void **state) {
   (void)state;
   float *heights = sample(), highest;
   pl_clods small = surveyor, large = surveyor, twice = surveyor;
   small.max_m = large.min_m = 0.06;
   twice.density *= 0.5;
-  const double all = share_of(surveyor, heights, &highest) / pl_clods_cover(&surveyor);
+  const double all = fraction_of(surveyor, heights, &highest) / pl_clods_cover(&surveyor);
   assert_true(highest > 0.02f && highest < 0.11f);
   assert_true(all > 0.85 && all < 1.15);
-  const double each[3] = {share_of(small, heights, &highest) / pl_clods_cover(&small),
-                          share_of(large, heights, &highest) / pl_clods_cover(&large),
-                          share_of(twice, heights, &highest) / pl_clods_cover(&twice)};
+  const double each[3] = {fraction_of(small, heights, &highest) / pl_clods_cover(&small),
+                          fraction_of(large, heights, &highest) / pl_clods_cover(&large),
+                          fraction_of(twice, heights, &highest) / pl_clods_cover(&twice)};
   /* Of clods near the pixel's width more pixels are touched; 170 large ones scatter by a tenth. */
   assert_true(each[0] / all > 0.85 && each[0] / all < 1.3);
   assert_true(each[1] / all > 0.7 && each[1] / all < 1.15);
@@ -71,24 +71,24 @@ static void test_seeds(void **state) {
   pl_free(b);
 }
 
-/* The mean is 0, two kinds differ by 1, and the bright one has its share. */
+/* The mean is 0, two kinds differ by 1, and the bright one has its fraction. */
 static void test_mottling(void **state) {
   (void)state;
-  float *shares = sample();
+  float *fractions = sample();
   pl_mottling of = {.seed = 1, .pixels = SIDE, .cover = 0.3, .border = 0.05, .hurst = 0.7};
-  assert_int_equal(pl_mottling_make(&of, shares), PL_OK);
+  assert_int_equal(pl_mottling_make(&of, fractions), PL_OK);
   double sum = 0.0, low = 1.0, high = -1.0;
   size_t bright = 0;
   for (size_t k = 0; k < SIDE * SIDE; k++) {
-    sum += (double)shares[k];
-    low = fmin(low, (double)shares[k]);
-    high = fmax(high, (double)shares[k]);
+    sum += (double)fractions[k];
+    low = fmin(low, (double)fractions[k]);
+    high = fmax(high, (double)fractions[k]);
   }
   for (size_t k = 0; k < SIDE * SIDE; k++)
-    bright += (double)shares[k] > 0.5 * (low + high);
+    bright += (double)fractions[k] > 0.5 * (low + high);
   assert_true(fabs(sum) < 0.1 && fabs(high - low - 1.0) < 1e-6);
   assert_true(fabs((double)bright / (SIDE * SIDE) - 0.3) < 0.01);
-  pl_free(shares);
+  pl_free(fractions);
 }
 
 static void test_refused(void **state) {

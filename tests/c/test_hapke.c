@@ -170,7 +170,7 @@ static void test_reference_tables(void **state) {
 static double h_of(const pl_hapke *hapke, double x) {
   const double logarithm = x > 0.0 ? log1p(1.0 / x) : 0.0;
   const pl_hapke_terms terms = {.phase = {.k = 1.0, .coherent = 1.0},
-                                .share = 1.0,
+                                .lommel_seeliger = 1.0,
                                 .shadowing = 1.0,
                                 .x = {x, x},
                                 .logarithm = {logarithm, logarithm}};

@@ -42,7 +42,7 @@ static void test_moments(void **state) {
   for (double um = 0.4226; um < 1.1; um += 0.05) {
     const pl_limb limb = pl_limb_make((const double[3]){um, um, um});
     static double across[CHORDS];
-    double sum = 0.0, moment = 0.0, share = 0.0, even = 0.0, worst = 0.0;
+    double sum = 0.0, moment = 0.0, fraction = 0.0, even = 0.0, worst = 0.0;
     for (int i = 0; i < RINGS; i++) {
       const double r = (i + 0.5) / RINGS, light = ratio_at(&limb, sqrt(1.0 - r * r));
       sum += 2.0 * r * light / RINGS;
@@ -55,9 +55,9 @@ static void test_moments(void **state) {
         const double y = half * ((k + 0.5) * 2.0 / CHORDS - 1.0);
         across[i] += ratio_at(&limb, sqrt(fmax(0.0, 1.0 - x * x - y * y))) * half / CHORDS;
       }
-      share += across[i] * 4.0 / (CHORDS * PL_PI);
+      fraction += across[i] * 4.0 / (CHORDS * PL_PI);
       even += half * 4.0 / (CHORDS * PL_PI);
-      worst = fmax(worst, fabs(share - even));
+      worst = fmax(worst, fabs(fraction - even));
     }
     assert_true(fabs(sum - 1.0) < 1e-4);
     assert_true(2.0 / (3.0 * PL_PI) - moment < 0.0178 && moment < 2.0 / (3.0 * PL_PI));

@@ -51,7 +51,7 @@ static vec visible_normal(const metal *m, vec v, test_random *random) {
 
 static double schlick(double f0, double cosine) { return f0 + (1.0 - f0) * pow(1.0 - cosine, 5.0); }
 
-/* Goes in against `from`; heights are even, `height` the share of the surface below. Returns the
+/* Goes in against `from`; heights are even, `height` the fraction of the surface below. Returns the
  * number of reflections, with the way out and the light that is left. */
 static int walk(const metal *m, vec from, test_random *random, vec *out, double *light) {
   vec w = {-from.x, -from.y, -from.z};
@@ -115,7 +115,7 @@ static void by_row(const pl_surface *s, const metal *m, vec wo, cells *c) {
     float u[2];
     for (int k = 0; k < 2; k++)
       u[k] = (float)(0.9999999 * random_unit(&random));
-    /* Half of the draws by the cosine, as the row draws its broad lobe by its share alone. */
+    /* Half of the draws by the cosine, as the row draws its broad lobe by its fraction alone. */
     pl_vec3f wi, weight;
     float pdf;
     if (i % 2 == 0)

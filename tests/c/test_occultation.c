@@ -67,8 +67,8 @@ static double light_within(double r) {
   return inside / all;
 }
 
-/* Concentric, equal, touching, exactly behind the limb, disjoint. The share of a concentric disc is
- * that of the sines squared, as irradiance is. */
+/* Concentric, equal, touching, exactly behind the limb, disjoint. The fraction of a concentric disc
+ * is that of the sines squared, as irradiance is. */
 static void test_analytic(void **state) {
   (void)state;
   const double a = sun_angle();
@@ -77,7 +77,7 @@ static void test_analytic(void **state) {
   assert_true(fabs(s.light[0] - (1.0 - r * r)) < 1e-14);
   assert_true(fabs(s.light[1] - (1.0 - light_within(r))) < 1e-13);
   assert_true(s.hides[0]);
-  for (int i = 0; i <= 20; i++) { /* wholly inside: the same share wherever it is */
+  for (int i = 0; i <= 20; i++) { /* wholly inside: the same fraction wherever it is */
     const double b = 0.2 * a, c = 0.8 * a * i / 20.0 * (1.0 - 1e-9);
     s = alone(b, c);
     assert_true(fabs(s.light[0] - (1.0 - 0.04)) < 1e-5);

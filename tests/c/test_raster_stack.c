@@ -124,7 +124,8 @@ static void test_footprints_keep_the_mean(void **state) {
   pl_raster_destroy(raster);
 }
 
-/* Neither footprints nor borders make a step, and a patch seen from afar is its share of a pixel.
+/* Neither footprints nor borders make a step, and a patch seen from afar is its fraction of a
+ * pixel.
  */
 static void test_no_step(void **state) {
   (void)state;
@@ -144,10 +145,10 @@ static void test_no_step(void **state) {
     assert_true(isnan(last) || fabs(mix.value - last) < 3e-3);
     last = mix.value;
   }
-  const double share = (SIDE - 8.0) / 4e3;
+  const double fraction = (SIDE - 8.0) / 4e3;
   const pl_raster_stack alone = stack_of(NULL, raster);
   const pl_raster_mix far = pl_raster_stack_at(&alone, middle, 4e3 * POST_M / RADIUS_M);
-  assert_true(fabs(1.0 - far.below - share * share) < 1e-6);
+  assert_true(fabs(1.0 - far.below - fraction * fraction) < 1e-6);
   for (double u = -40.0; u < 104.0; u += 0.05) {
     const pl_vec3 d = pl_raster_direction(raster, u, 31.5);
     const double value = pl_raster_stack_at(&stack, d, 0.1 * POST_M / RADIUS_M).value;

@@ -15,7 +15,7 @@ static const double AU = 149597870700.0;
 static pl_rings *make_rings(test_random *random, double radius_m, double depth) {
   const double inner_m = radius_m * random_range(random, 1.05, 2.0);
   const double edges[2] = {inner_m, inner_m * random_range(random, 1.1, 2.5)};
-  const double share = random_unit(random);
+  const double fraction = random_unit(random);
   const double albedo[3] = {random_unit(random), random_unit(random), random_unit(random)};
   pl_rings *rings;
   const pl_rings_settings settings = {.count = 1,
@@ -23,7 +23,7 @@ static pl_rings *make_rings(test_random *random, double radius_m, double depth) 
                                       .depth = &depth,
                                       .albedo = albedo,
                                       .exponent = random_range(random, 0.0, 4.0),
-                                      .dust_share = share,
+                                      .dust_share = fraction,
                                       .dust_g = random_range(random, -0.5, 0.9)};
   assert_int_equal(pl_rings_create(&settings, &rings), PL_OK);
   return rings;

@@ -113,8 +113,8 @@ static void test_variants(void **state) {
   assert_true(a.axes.z / a.axes.x != b.axes.z / b.axes.x);
 }
 
-/* Share of directions in which no plane cuts the ball of a family's variants. */
-static double round_share(pl_rock_family_kind family) {
+/* Fraction of directions in which no plane cuts the ball of a family's variants. */
+static double round_fraction(pl_rock_family_kind family) {
   enum { DIRECTIONS = 300 };
   test_random random = {.seed = 59};
   int round = 0;
@@ -138,9 +138,9 @@ static void test_faces(void **state) {
   static const pl_rock_family_kind angular[] = {PL_ROCK_BLOCK, PL_ROCK_CUBE, PL_ROCK_WEDGE,
                                                 PL_ROCK_SLAB, PL_ROCK_SHARD};
   for (size_t k = 0; k < sizeof angular / sizeof *angular; k++)
-    if (!(round_share(angular[k]) < 0.06))
-      fail_msg("%s: %g is round", pl_rock_families[angular[k]].name, round_share(angular[k]));
-  assert_true(round_share(PL_ROCK_EGG) > 0.5);
+    if (!(round_fraction(angular[k]) < 0.06))
+      fail_msg("%s: %g is round", pl_rock_families[angular[k]].name, round_fraction(angular[k]));
+  assert_true(round_fraction(PL_ROCK_EGG) > 0.5);
 }
 
 /* Every edge of a closed mesh is in two triangles, once in each direction. */

@@ -13,17 +13,17 @@ static double sum(const double parts[3]) { return parts[0] + parts[1] + parts[2]
 
 static void shares_are_white_together(void **state) {
   (void)state;
-  double first[3], shares[3];
-  pl_reflectance_shares(0.38, first);
+  double first[3], weights[3];
+  pl_reflectance_weights(0.38, first);
   for (int i = 0; i <= 4000; i++) {
-    pl_reflectance_shares(0.2 + 0.00025 * i, shares);
-    assert_true(fabs(sum(shares) - 1.0) < 1e-12);
+    pl_reflectance_weights(0.2 + 0.00025 * i, weights);
+    assert_true(fabs(sum(weights) - 1.0) < 1e-12);
     for (int c = 0; c < 3; c++) {
-      assert_true(shares[c] >= 0.0 && shares[c] <= 1.0);
-      assert_true(i > 720 || fabs(shares[c] - first[c]) < 1e-12);
+      assert_true(weights[c] >= 0.0 && weights[c] <= 1.0);
+      assert_true(i > 720 || fabs(weights[c] - first[c]) < 1e-12);
     }
   }
-  assert_true(shares[0] > 0.99);
+  assert_true(weights[0] > 0.99);
 }
 
 /* A box holds its width of an even sun, and that is its mean wavelength's; half a box of response
@@ -34,7 +34,7 @@ static void boxes_are_exact(void **state) {
   const double half[2][2] = {{0.3, 0.5}, {0.9, 0.5}};
   const pl_curve curves[2] = {{box, 2}, {half, 2}}, beyond = {far, 2};
   pl_band_light light;
-  double shares[3];
+  double weights[3];
   assert_int_equal(pl_band_gather(&EVEN, curves, 1, 0.01, &light), PL_OK);
   assert_true(fabs(sum(light.part) - 0.3784) < 1e-12);
   assert_true(fabs(light.mean_um - 0.6029) < 1e-12);
@@ -42,9 +42,9 @@ static void boxes_are_exact(void **state) {
   assert_int_equal(pl_band_gather(&EVEN, curves, 2, 0.01, &light), PL_OK);
   assert_true(fabs(sum(light.part) - 0.1892) < 1e-12);
   assert_int_equal(pl_band_gather(&EVEN, &beyond, 1, 1.0, &light), PL_OK);
-  pl_reflectance_shares(1.0, shares);
+  pl_reflectance_weights(1.0, weights);
   for (int c = 0; c < 3; c++)
-    assert_true(fabs(light.part[c] - 0.3 * shares[c]) < 1e-12);
+    assert_true(fabs(light.part[c] - 0.3 * weights[c]) < 1e-12);
 }
 
 /* A triangle on a sun that rises: sums of cubics; int t (1 - t) dt from 0 to 1 is 1/6. */

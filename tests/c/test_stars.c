@@ -180,7 +180,7 @@ static void test_edge_and_behind(void **state) {
   const pl_vec3 behind = pl_vec3_scale(toward(40, 20), -1.0);
   const struct {
     pl_vec3 direction;
-    double share;
+    double fraction;
   } cases[] = {{toward(-0.5, 20), 0.5},        {toward(79.5, 20), 0.5}, {toward(30, 63.75), 0.25},
                {toward(-0.75, -0.5), 0.125},   {toward(-1.0, 20), 0.0}, {behind, 0.0},
                {(pl_vec3){1.0, 0.0, 0.0}, 0.0}};
@@ -197,7 +197,7 @@ static void test_edge_and_behind(void **state) {
     render_sky(&s, &sky, one_effect("stars"), 0.5, 1, &f, &result);
     for (int k = 0; k < WIDTH * HEIGHT; k++)
       energy += (double)f.radiance[3 * k + 1] * pinhole_angle(k % WIDTH, k / WIDTH);
-    assert_true(fabs(energy / 2e-3 - cases[i].share) < 1e-6);
+    assert_true(fabs(energy / 2e-3 - cases[i].fraction) < 1e-6);
     pl_star_catalogue_destroy(catalogue);
     film_clear(&f);
     stage_clear(&s);

@@ -18,15 +18,15 @@ static pl_vec3 somewhere(test_random *random) {
  * below 0.5 %. */
 static void test_the_mean_is_the_map_s(void **state) {
   (void)state;
-  static const float shares[] = {0.02f, 1.0f}, widths[] = {0.0f, 0.2f, 0.6f};
+  static const float fractions[] = {0.02f, 1.0f}, widths[] = {0.0f, 0.2f, 0.6f};
   test_random random = {.seed = 5};
-  for (size_t s = 0; s < sizeof shares / sizeof *shares; s++)
+  for (size_t s = 0; s < sizeof fractions / sizeof *fractions; s++)
     for (size_t w = 0; w < sizeof widths / sizeof *widths; w++) {
       const int places = widths[w] < 0.1f ? 1500000 : 300000;
       double sum = 0.0, least = INFINITY, most = 0.0;
       for (int i = 0; i < places; i++) {
         const double x = (double)pl_towns_factor(somewhere(&random), SIZE_M,
-                                                 widths[w] * (float)SIZE_M, shares[s]);
+                                                 widths[w] * (float)SIZE_M, fractions[s]);
         sum += x;
         least = fmin(least, x);
         most = fmax(most, x);

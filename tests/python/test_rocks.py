@@ -247,7 +247,7 @@ def test_models_give_the_shapes() -> None:
 
 
 def test_rocks_of_models_lie_on_the_ground() -> None:
-    """They are of their family, alone or in their share, and flat ones lie flat."""
+    """They are of their family, alone or by their weight, and flat ones lie flat."""
     scan = _core.RockScan(*box(3.0, 5.0, 1.5))
     names = [row["name"] for row in _core.ROCK_FAMILIES]
     only = field(law="haworth", families={"model": 1.0}, models=[scan])
@@ -261,11 +261,11 @@ def test_rocks_of_models_lie_on_the_ground() -> None:
     assert 0.387 < ratios[0] < 0.75 * ratios[1]
     shared = field(law="haworth", families={"model": 3.0, "slab": 1.0}, models=[scan, scan])
     among = shared.list(ground(None), PLACE, 60.0, 0.2)
-    share = np.mean(among["family"] == names.index("model"))
-    assert abs(share - 0.75) < 4.5 * math.sqrt(0.75 * 0.25 / len(among))
+    fraction = np.mean(among["family"] == names.index("model"))
+    assert abs(fraction - 0.75) < 4.5 * math.sqrt(0.75 * 0.25 / len(among))
     with pytest.raises(ValueError, match="no models"):
         field(families={"model": 1.0})
-    with pytest.raises(ValueError, match="share of the family 'model'"):
+    with pytest.raises(ValueError, match="weight of the family 'model'"):
         field(models=[scan])
     with pytest.raises(TypeError, match="RockScan"):
         field(families={"model": 1.0}, models=["rock.glb"])

@@ -1,10 +1,12 @@
-"""What the core shows to the linker: `pl_` names inside, one entry point outside."""
+"""What the core shows: `pl_` names to the linker, one entry point outside; no function without a
+user in headers."""
 
 from __future__ import annotations
 
 import os
 import re
 import subprocess
+from collections import Counter
 from pathlib import Path
 
 import pytest
@@ -65,3 +67,37 @@ def test_the_check_sees_a_foreign_symbol(tmp_path: Path) -> None:
         subprocess.run(["gcc", "-c", source, "-o", f"{source}.o"], cwd=tmp_path, check=True)
     subprocess.run(["ar", "qc", "lib.a", "a.c.o", "b.cpp.o"], cwd=tmp_path, check=True)
     assert foreign_symbols(tmp_path / "lib.a") == ["a.c.o: helper", "b.cpp.o: plain"]
+
+
+COMMENT = re.compile(r"/\*.*?\*/|//[^\n]*", re.DOTALL)
+DECLARED = re.compile(r"^(?!typedef|static|\s)[\w ]+?[ *]+(pl_\w+)\([^{};]*\);", re.MULTILINE)
+WORD = re.compile(r"\bpl_\w+")
+# What tests alone call, and why.
+FOR_TESTS = {"pl_memory_hook": "lets allocations fail"}
+
+
+def idle_functions(csrc: Path) -> list[str]:
+    """Functions that headers declare and no file of the core calls."""
+    sources = [path for path in sorted(csrc.rglob("*")) if path.suffix in {".c", ".h", ".cpp"}]
+    texts = {path: COMMENT.sub("", path.read_text()) for path in sources}
+    uses = Counter(word for text in texts.values() for word in WORD.findall(text))
+    return [
+        f"{header.name}: {name} is used by nothing but tests"
+        for header in sources
+        if header.suffix == ".h"
+        for name in DECLARED.findall(texts[header])
+        if uses[name] <= 2 and name not in FOR_TESTS  # its declaration and its definition
+    ]
+
+
+def test_the_core_calls_what_headers_declare(repo_dir: Path) -> None:
+    assert idle_functions(repo_dir / "csrc") == []
+
+
+def test_the_check_sees_functions_without_users(tmp_path: Path) -> None:
+    (tmp_path / "a.h").write_text("int pl_used(void);\nint pl_tested(void);\n")
+    (tmp_path / "a.c").write_text(
+        "int pl_used(void) { return 1; }\nint pl_tested(void) { return 2; }\n"
+    )
+    (tmp_path / "b.c").write_text("int b(void) { return pl_used(); } /* pl_tested */\n")
+    assert idle_functions(tmp_path) == ["a.h: pl_tested is used by nothing but tests"]

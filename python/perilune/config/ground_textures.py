@@ -61,7 +61,7 @@ class Mottling(Strict):
     contrast: Annotated[Finite, Field(gt=0.0, le=1.0)]
     """Difference of their albedos over the mean, which stays."""
     cover: Annotated[Finite, Field(gt=0.0, lt=1.0)] = 0.5
-    """Share of the bright one."""
+    """Fraction of the bright one."""
     border: Annotated[Positive, _Fixed] = 1.0
     """Width of what lies between them, in deviations of the fractal that parts them: 0.2 makes
     borders sharp, 4 clouds."""

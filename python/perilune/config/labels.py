@@ -115,7 +115,7 @@ class CraterLabels(Strict):
     least_depth: Annotated[float, Field(strict=True, ge=0.0, le=1.0)] = 0.2
     """Least depth as it is now, over that of a fresh crater of the same size."""
     least_kept: Annotated[float, Field(strict=True, ge=0.0, le=1.0)] = 0.5
-    """Least share of a crater's relief that younger ones left, at the point that is seen."""
+    """Least fraction of a crater's relief that younger ones left, at the point that is seen."""
 
 
 class CoverageLabels(Strict):

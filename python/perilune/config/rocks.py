@@ -37,7 +37,7 @@ FITTED_ABUNDANCE = 0.02
 
 
 class RockFamilies(Strict):
-    """Shares of the families of shapes; those without a share have none."""
+    """Weights of the families of shapes; those without a weight have none."""
 
     block: NonNegative = 0.0
     """Angular, with flat faces."""
@@ -69,7 +69,7 @@ class RockFamilies(Strict):
     @model_validator(mode="after")
     def _some(self) -> RockFamilies:
         if not sum(self.model_dump().values()) > 0.0:
-            fail("", "one of the shares must be above 0")
+            fail("", "one of the weights must be above 0")
         return self
 
 
@@ -104,9 +104,9 @@ class Rocks(Strict):
     density: Density = 1.0
     """Factor on the number of rocks; 0: none."""
     abundance: _Abundance | None = None
-    """Of golombek: share of the ground that is covered by rocks."""
+    """Of golombek: fraction of the ground that is covered by rocks."""
     decay_per_m: Positive | None = None
-    """Of golombek: the share of rocks of D or more falls as exp(-decay_per_m D). Default: their
+    """Of golombek: the fraction of rocks of D or more falls as exp(-decay_per_m D). Default: their
     fit, 1.79 + 0.152 / abundance, for an abundance of 0.02 or more; below, it must be given."""
     coefficient: NonNegative | None = None
     """Of the power law: rocks of 1 m or more per m^2."""
@@ -147,7 +147,7 @@ class Rocks(Strict):
     the body, not the model's textures. Overhangs are filled, and what is narrower than 1.4 degrees
     from the centre is smoothed."""
     families: RockFamilies | None = None
-    """Shares of the families of shapes. Default: `models` alone if there are any, otherwise drawn
+    """Weights of the families of shapes. Default: `models` alone if there are any, otherwise drawn
     shapes, angular ones more often than round ones."""
 
     @model_validator(mode="after")
@@ -173,7 +173,7 @@ class Rocks(Strict):
     def _models(self) -> Rocks:
         if self.families is not None and bool(self.models) != (self.families.model > 0.0):
             if self.models:
-                fail("models", "have no share: give families.model, or leave `families` out")
+                fail("models", "have no weight: give families.model, or leave `families` out")
             fail("families.model", "needs models")
         return self
 

@@ -53,7 +53,7 @@ class Remarks:
     def tell_of_target(self, source: str, render: Render, missed: float) -> None:
         """Warns once of pixels that render.samples did not bring to the stated error.
 
-        missed: their share of the frame; nan: samples were not chosen."""
+        missed: their fraction of the frame; nan: samples were not chosen."""
         where = f"{source}: render.target_error_dn"
         if math.isnan(missed):
             self.tell_of_key(
@@ -62,7 +62,7 @@ class Remarks:
                 f" pixel has render.samples, {render.samples}",
             )
         elif missed > 0.0 and where not in self._missed:
-            self._missed.add(where)  # the share of the first frame alone is told
+            self._missed.add(where)  # the fraction of the first frame alone is told
             self.tell_of_key(
                 where,
                 f"{100.0 * missed:.2g} % of the pixels are not within {render.target_error_dn:g} DN"

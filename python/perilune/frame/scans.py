@@ -148,7 +148,7 @@ def events_of(camera: Events) -> dict[str, Any]:
         "leak_hz": camera.leak_hz,
         "noise_hz": camera.noise_hz,
         "tolerance": camera.tolerance,
-        "share": camera.tolerated_pixels,
+        "tolerated_pixels": camera.tolerated_pixels,
         "instants": camera.instants,
         "halvings": camera.max_halvings,
     }

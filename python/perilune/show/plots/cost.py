@@ -61,7 +61,7 @@ def _settings(axes: Any, report: Report) -> None:
 
 
 def _bars(axes: Any, switches: dict[str, list[Point]]) -> None:
-    """Effects by what they err when left out, most first, with the share of the time they take."""
+    """Effects by what they err when left out, most first, with their part of the time."""
     rows = sorted(switches.items(), key=lambda item: -item[1][0].rmse_dn)[:_BARS][::-1]
     for at, (_, (off, on)) in enumerate(rows):
         axes.barh(at, _dn(off.rmse_dn), left=0.0, color=PALETTE[1], height=0.7)

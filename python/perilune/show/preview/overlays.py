@@ -30,7 +30,7 @@ _ARROWS = 24
 """Arrows of the flow across the picture."""
 _ELLIPSE = np.linspace(0.0, 2.0 * np.pi, 49)
 _TINT = 0.45
-"""Share of an instance's colour in the picture."""
+"""Fraction of an instance's colour in the picture."""
 _ROW_STEPS = 8
 
 

@@ -1,4 +1,4 @@
-"""Ultralytics' YOLO: boxes, or polygons, of visible pixels, in shares of the picture's size."""
+"""Ultralytics' YOLO: boxes, or polygons, of visible pixels, in fractions of the picture's size."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ class Yolo(Format):
     doc = "Ultralytics YOLO: boxes of objects"
     layout = (
         "`images/SPLIT/NNNNNN.png`, `labels/SPLIT/NNNNNN.txt` (a line for each object that is "
-        "seen: class, centre, width, height, as shares of the picture), `data.yaml`"
+        "seen: class, centre, width, height, as fractions of the picture), `data.yaml`"
     )
     reader = "Ultralytics"
     needs: ClassVar[tuple[str, ...]] = ("picture", "instance", "objects")
@@ -122,7 +122,7 @@ class Yolo(Format):
                 yield f"object '{row['name']}': {name} is not about its pixels"
 
     def shares(self, numbers: Array) -> Array:
-        """Those of a line's numbers that are shares of the picture."""
+        """Those of a line's numbers that are fractions of the picture."""
         return numbers
 
     def bounds(self, shares: Array, size: Array) -> Array:
