@@ -64,6 +64,6 @@ double pl_air_fraction(const pl_view *view, const pl_view_entity *body) {
     return 0.0;
   if (body->air_in_frame)
     return 1.0;
-  return pl_view_shell_share(
+  return pl_view_shell_fraction(
       view, body, body->radius_m * (1.0 + body->air->settings.top_m / body->air->radius_m));
 }

@@ -96,8 +96,9 @@ static void gather(const pl_ground_map *map, const int square[4], int32_t body,
     }
 }
 
-pl_status pl_ground_groups(const pl_ground_map *map, int y0, int y1, int worker,
-                           pl_ground_group_fn visit) {
+/* Visits all groups of the rows. */
+static pl_status visit_groups(const pl_ground_map *map, int y0, int y1, int worker,
+                              pl_ground_group_fn visit) {
   const int width = map->shot->rays.camera.width;
   pl_ground_group group = {.map = map};
   if (map->memos != NULL)
@@ -120,8 +121,8 @@ pl_status pl_ground_map_write(const pl_ground_map *map, int y0, int y1, int work
   if (map->images[PL_GROUND_ROUGHNESS_LAPLACIAN] != NULL)
     pl_write_roughness_laplacian(map, y0, y1);
   if (has_planes(map))
-    PL_TRY(pl_ground_groups(map, y0, y1, worker, pl_write_planes));
+    PL_TRY(visit_groups(map, y0, y1, worker, pl_write_planes));
   if (map->images[PL_GROUND_HAZARD] != NULL)
-    PL_TRY(pl_ground_groups(map, y0, y1, worker, pl_write_hazard));
+    PL_TRY(visit_groups(map, y0, y1, worker, pl_write_hazard));
   return PL_OK;
 }

@@ -83,9 +83,6 @@ typedef struct pl_ground_group {
   pl_vec3 directions[PL_GROUND_ROWS * PL_GROUND_ROWS]; /* of the points; only with terrain */
 } pl_ground_group;
 typedef pl_status (*pl_ground_group_fn)(const pl_ground_group *group);
-/* Visits all groups of the rows. */
-pl_status pl_ground_groups(const pl_ground_map *map, int y0, int y1, int worker,
-                           pl_ground_group_fn visit);
 
 /* Writes rows y0 to y1 - 1 of all images. */
 pl_status pl_ground_map_write(const pl_ground_map *map, int y0, int y1, int worker);

@@ -25,7 +25,7 @@ typedef struct pl_body_disc {
  * root axes. Returns false if the point is inside or on the body. */
 bool pl_body_disc_make(const pl_shot_body *body, pl_vec3 sun, pl_vec3 point, pl_body_disc *out);
 
-enum { PL_DISC_RINGS = 10, PL_DISC_TURNS = 16, PL_DISC_CELLS = PL_DISC_RINGS * PL_DISC_TURNS };
+enum { PL_DISC_RINGS = 10, PL_DISC_TURNS = 16 };
 
 /* Sampling table of a disc. */
 typedef struct pl_disc_table {

@@ -22,7 +22,6 @@ typedef struct pl_pose {
 } pl_pose;
 
 #define PL_QUAT_IDENTITY ((pl_quat){1.0, 0.0, 0.0, 0.0})
-#define PL_POSE_IDENTITY ((pl_pose){{0.0, 0.0, 0.0}, {1.0, 0.0, 0.0, 0.0}})
 
 static inline pl_quat pl_quat_mul(pl_quat a, pl_quat b) {
   return (pl_quat){

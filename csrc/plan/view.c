@@ -256,9 +256,9 @@ double pl_view_received(const pl_view *view, size_t i) {
   return sum;
 }
 
-double pl_view_shell_share(const pl_view *view, const pl_view_entity *body, double radius_m) {
+double pl_view_shell_fraction(const pl_view *view, const pl_view_entity *body, double radius_m) {
   pl_view_entity shell = *body;
-  double share = 0.0;
+  double fraction = 0.0;
   shell.radius_m = radius_m;
   for (size_t i = 0; i < view->entity_count; i++) {
     const pl_view_entity *entity = &view->entities[i];
@@ -267,8 +267,8 @@ double pl_view_shell_share(const pl_view *view, const pl_view_entity *body, doub
     if (pl_view_shadow_reaches(view, &shell, entity))
       return 1.0;
     if (view->max_bounces > 0)
-      share =
-          fmax(share, pl_view_transfer(entity, &shell) * pl_view_series(view, view->max_bounces));
+      fraction = fmax(fraction,
+                      pl_view_transfer(entity, &shell) * pl_view_series(view, view->max_bounces));
   }
-  return fmin(1.0, share);
+  return fmin(1.0, fraction);
 }

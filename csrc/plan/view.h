@@ -208,7 +208,7 @@ pl_view_entity pl_view_ring_sphere(const pl_view_entity *body);
 double pl_view_series(const pl_view *view, int bounces);
 /* Returns how much a shell of this radius about a body outside the view can affect the frame: the
  * fraction of its radiance that reaches objects in view, 1 if it can shadow them, else 0. */
-double pl_view_shell_share(const pl_view *view, const pl_view_entity *body, double radius_m);
+double pl_view_shell_fraction(const pl_view *view, const pl_view_entity *body, double radius_m);
 
 /* Upper bound of the radiance that entities[i] reflects of the light that all others reflect or
  * emit onto it directly, W m-2 sr-1. */

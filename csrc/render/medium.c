@@ -122,8 +122,9 @@ pl_vec3f pl_media_toward_sun(const pl_media *media, const pl_snapshot *shot, pl_
 /* For its transmittance the sky is a disc about the zenith with this sine of its angular radius. */
 static const float SKY_SINE = 0.5f;
 
-pl_vec3f pl_media_before_sky(const pl_media *media, const pl_snapshot *shot, pl_vec3 point,
-                             pl_vec3f up, float width_m) {
+/* Transmittance for sky light to a point of the ground, whose normal is `up`. */
+static pl_vec3f toward_sky(const pl_media *media, const pl_snapshot *shot, pl_vec3 point,
+                           pl_vec3f up, float width_m) {
   const pl_sun_view sky = {.direction = up, .sin_radius = SKY_SINE, .distance_m = INFINITY};
   pl_vec3f out = ALL;
   for (size_t k = 0; k < pl_medium_kind_count; k++) {
@@ -138,7 +139,7 @@ pl_vec3f pl_media_dim_sky(const pl_media *media, const pl_snapshot *shot, const 
                           float width_m, pl_vec3f sky) {
   if (media == NULL || !(pl_vec3f_max(sky) > 0.0f))
     return sky;
-  return pl_vec3f_mul(sky, pl_media_before_sky(media, shot, vertex->position, vertex->ng, width_m));
+  return pl_vec3f_mul(sky, toward_sky(media, shot, vertex->position, vertex->ng, width_m));
 }
 
 /* Fraction of a disc of radius `a` that a disc of radius `b` leaves visible; `apart`: the distance

@@ -110,9 +110,6 @@ pl_vec3f pl_media_passed(const pl_media *media, const struct pl_air_view *air,
 /* Transmittance for sunlight to a point, see pl_medium_kind. */
 pl_vec3f pl_media_toward_sun(const pl_media *media, const pl_snapshot *shot, pl_vec3 point,
                              const pl_sun_view *sun, float width_m);
-/* Transmittance for sky light to a point of the ground, whose normal is `up`. */
-pl_vec3f pl_media_before_sky(const pl_media *media, const pl_snapshot *shot, pl_vec3 point,
-                             pl_vec3f up, float width_m);
 /* The part of `sky`, the sky's light on a vertex, that media transmit; `media` may be NULL: all. */
 pl_vec3f pl_media_dim_sky(const pl_media *media, const pl_snapshot *shot, const pl_vertex *vertex,
                           float width_m, pl_vec3f sky);

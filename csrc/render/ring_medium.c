@@ -115,13 +115,13 @@ static void cross_item(const ring_item *item, const pl_media *media, const pl_sn
   double weights = 0.0;
   for (size_t i = 0; i < count; i++) {
     pl_vec3f radiance = {0.0f, 0.0f, 0.0f};
-    const float share = (float)pieces[i].share;
+    const float fraction = (float)pieces[i].fraction;
     const float transmittance = dark ? straight(item->rings, &pieces[i])
                                      : look(item, media, shot, &own, &pieces[i], &radiance);
-    held += share * (1.0f - transmittance);
-    crossing.radiance = pl_vec3f_madd(crossing.radiance, share, radiance);
-    crossing.t += pieces[i].share * pieces[i].t;
-    weights += pieces[i].share;
+    held += fraction * (1.0f - transmittance);
+    crossing.radiance = pl_vec3f_madd(crossing.radiance, fraction, radiance);
+    crossing.t += pieces[i].fraction * pieces[i].t;
+    weights += pieces[i].fraction;
   }
   if (!(held > 0.0f))
     return;

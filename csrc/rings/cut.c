@@ -79,15 +79,15 @@ static bool span_of(const pl_rings *rings, const fan *f, double end_m, double sp
 
 /* The part of the cone between two positions on the same side of the point closest to the axis. */
 static bool piece_of(const fan *f, double x0, double x1, pl_rings_piece *out) {
-  const double share = fabs(place(f, x1) - place(f, x0)), x = 0.5 * (x0 + x1);
-  if (!(share > 0.0))
+  const double fraction = fabs(place(f, x1) - place(f, x0)), x = 0.5 * (x0 + x1);
+  if (!(fraction > 0.0))
     return false;
   const double r0 = hypot(f->start + x0, f->lateral), r1 = hypot(f->start + x1, f->lateral);
   const double r = 0.5 * (r0 + r1);
   /* Half the cone's width across the line, projected onto the radius. */
   const double aside_m = r > 0.0 ? 0.5 * width_at(f, x) * fabs(f->lateral) / r : 0.0;
   *out = (pl_rings_piece){
-      .share = share,
+      .fraction = fraction,
       .t = hypot(x, f->height),
       .point = pl_vec3_madd(f->foot, x, f->along),
       .low_m = fmax(0.0, fmin(r0, r1) - aside_m),

@@ -51,9 +51,9 @@ static double dust(double cosine, double g) {
 }
 
 double pl_rings_phase(const pl_rings *rings, double cosine) {
-  const double share = rings->dust_share, c = fmin(1.0, fmax(-1.0, cosine));
-  return (1.0 - share) * rings->norm * pow(acos(c), rings->exponent) +
-         share * dust(c, rings->dust_g);
+  const double fraction = rings->dust_share, c = fmin(1.0, fmax(-1.0, cosine));
+  return (1.0 - fraction) * rings->norm * pow(acos(c), rings->exponent) +
+         fraction * dust(c, rings->dust_g);
 }
 
 static void set_reach(pl_rings *rings) {

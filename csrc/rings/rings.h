@@ -63,7 +63,7 @@ typedef struct pl_rings_ray {
 
 /* Intersection of one part of the cone with the rings. */
 typedef struct pl_rings_piece {
-  double share;         /* fraction of the cone's width, 0..1 */
+  double fraction;      /* fraction of the cone's width, 0..1 */
   double t;             /* distance of the middle from the ray's origin, m */
   pl_vec3 point;        /* middle of the part, body axes */
   double low_m, high_m; /* range of radii that the part covers */
@@ -72,7 +72,7 @@ typedef struct pl_rings_piece {
 } pl_rings_piece;
 
 /* Divides a ray's cone into the parts that intersect the rings, in order along the rings. Their
- * shares sum to 1 at most. The cone is cut by the plane through the ray and the ring normal; the
+ * fractions sum to 1 at most. The cone is cut by the plane through the ray and the ring normal; the
  * lines of the cone in this plane meet the ring plane one after another. In nearly edge-on views
  * this intersection can extend across all of the rings. From within their plane the rings are
  * invisible, since they have no thickness. Returns the number of parts. */

@@ -54,11 +54,11 @@ pl_rings_light pl_rings_seen(const pl_rings *rings, const pl_rings_ray *ray,
   pl_rings_light sum = {.transmittance = 1.0};
   const size_t count = pl_rings_cut(rings, ray, pieces);
   for (size_t i = 0; i < count; i++) {
-    const double share = pieces[i].share;
+    const double fraction = pieces[i].fraction;
     const pl_rings_light light = pl_rings_scatter(rings, &pieces[i], ray->direction, sun);
-    sum.transmittance -= share * (1.0 - light.transmittance);
+    sum.transmittance -= fraction * (1.0 - light.transmittance);
     for (int k = 0; k < 3; k++)
-      sum.scattered[k] += share * light.scattered[k];
+      sum.scattered[k] += fraction * light.scattered[k];
   }
   sum.transmittance = fmax(0.0, sum.transmittance);
   return sum;
@@ -70,7 +70,7 @@ double pl_rings_passed(const pl_rings *rings, const pl_rings_ray *ray) {
   const size_t count = pl_rings_cut(rings, ray, pieces);
   for (size_t i = 0; i < count; i++)
     held +=
-        pieces[i].share *
+        pieces[i].fraction *
         pl_rings_average(rings, pieces[i].low_m, pieces[i].high_m, 1.0 / pieces[i].sine).opacity;
   return fmax(0.0, 1.0 - held);
 }

@@ -11,7 +11,7 @@ static double fraction_of(const pl_view *view, const pl_view_entity *body) {
     return 0.0;
   if (body->clouds_in_frame)
     return 1.0;
-  return pl_view_shell_share(view, body, body->radius_m + body->clouds->altitude_m);
+  return pl_view_shell_fraction(view, body, body->radius_m + body->clouds->altitude_m);
 }
 
 static const char *absent(const pl_view *view) {

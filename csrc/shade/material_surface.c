@@ -113,9 +113,10 @@ pl_vec3f pl_material_emission(const pl_model *model, const pl_triangle_point *po
   return emission_of(model, point, pl_material_of(model, point->triangle), detail, &place);
 }
 
-pl_vec3f pl_material_bent_normal(const pl_model *model, const pl_triangle_point *point,
-                                 const pl_texture_slot *slot, float scale, pl_detail detail,
-                                 const pl_surface *surface) {
+/* Normal from a normal map at the point, unit, in the axes of the surface's frame. */
+static pl_vec3f bent_normal(const pl_model *model, const pl_triangle_point *point,
+                            const pl_texture_slot *slot, float scale, pl_detail detail,
+                            const pl_surface *surface) {
   float value[4];
   pl_material_slot(model, point, slot, detail, value);
   const float x = (2.0f * value[0] - 1.0f) * scale;
@@ -126,8 +127,8 @@ pl_vec3f pl_material_bent_normal(const pl_model *model, const pl_triangle_point 
 
 static void bend_normal(const pl_model *model, const pl_triangle_point *point,
                         const pl_material *material, pl_detail detail, pl_surface *surface) {
-  const pl_vec3f n = pl_material_bent_normal(model, point, &material->normal_map,
-                                             material->normal_scale, detail, surface);
+  const pl_vec3f n =
+      bent_normal(model, point, &material->normal_map, material->normal_scale, detail, surface);
   surface->n = n;
   surface->t = pl_vec3f_unit(pl_vec3f_madd(surface->t, -pl_vec3f_dot(surface->t, n), n));
   surface->b = pl_vec3f_cross(n, surface->t);
@@ -141,8 +142,8 @@ static pl_vec3f coat_normal_of(const pl_model *model, const pl_triangle_point *p
   const pl_material_layers *layers = &material->layers;
   if (layers->coat_normal_map.texture < 0)
     return surface->n;
-  return pl_material_bent_normal(model, point, &layers->coat_normal_map, layers->coat_normal_scale,
-                                 detail, surface);
+  return bent_normal(model, point, &layers->coat_normal_map, layers->coat_normal_scale, detail,
+                     surface);
 }
 
 void pl_material_surface(const pl_model *model, const pl_triangle_point *point, pl_detail detail,

@@ -54,10 +54,6 @@ void pl_material_uv(const pl_model *model, const pl_triangle_point *point, int s
  */
 void pl_material_slot(const pl_model *model, const pl_triangle_point *point,
                       const pl_texture_slot *slot, pl_detail detail, float out[4]);
-/* Normal from a normal map at the point, unit, in the axes of the surface's frame. */
-pl_vec3f pl_material_bent_normal(const pl_model *model, const pl_triangle_point *point,
-                                 const pl_texture_slot *slot, float scale, pl_detail detail,
-                                 const pl_surface *surface);
 /* Sets the principled model with the material's layers, and rotates t and b by the anisotropy's
  * rotation. `coat_normal`: see pl_lobes. Does nothing for materials without layers. */
 void pl_material_layers_surface(const pl_model *model, const pl_triangle_point *point,

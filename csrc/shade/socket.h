@@ -28,8 +28,6 @@ typedef struct pl_socket {
 
 enum { PL_NODE_SOCKETS = 24 };
 
-#define PL_ROWS(array) (array), sizeof(array) / sizeof((array)[0])
-
 /* x clamped to 0..high; 0 if x is not a number. */
 static inline float pl_clipped(float x, float high) { return x > 0.0f ? pl_minf(x, high) : 0.0f; }
 

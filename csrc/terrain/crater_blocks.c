@@ -35,7 +35,7 @@ static pl_status keep(void *context, const pl_scatter_site *site) {
   all->list[all->count++] =
       (pl_crater_source){.direction = site->direction,
                          .radius = 0.5 * site->diameter_m / all->field->frame.radius_m,
-                         .share = left * left * left,
+                         .fraction = left * left * left,
                          .most_m = 0.25 * pow(site->diameter_m, 0.7)};
   return PL_OK;
 }
@@ -72,7 +72,7 @@ double pl_crater_blocks_at(const pl_crater_source *sources, size_t count, pl_vec
     const pl_vec3 to = pl_vec3_sub(direction, from->direction);
     const double x = sqrt(pl_vec3_dot(to, to)) / from->radius;
     if (x < REACH && diameter_m <= from->most_m)
-      sum += from->share * (x < 1.0 ? WITHIN : exp((1.0 - x) / FALL));
+      sum += from->fraction * (x < 1.0 ? WITHIN : exp((1.0 - x) / FALL));
   }
   return fmin(sum, 1.0);
 }

@@ -17,9 +17,9 @@ typedef struct pl_crater_blocks {
 /* A crater with blocks. */
 typedef struct pl_crater_source {
   pl_vec3 direction;
-  double radius; /* over that of the body */
-  double share;  /* of the blocks of a new crater */
-  double most_m; /* diameter of its largest blocks */
+  double radius;   /* over that of the body */
+  double fraction; /* of the blocks of a new crater */
+  double most_m;   /* diameter of its largest blocks */
 } pl_crater_source;
 
 /* Lists those that have blocks within an angle of an axis; *out is freed with pl_free. `field` and

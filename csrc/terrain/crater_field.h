@@ -64,9 +64,9 @@ typedef struct pl_crater_model {
   /* Spacing of posts (m) in a direction, infinite where there are none. */
   double (*spacing_m)(const void *context, pl_vec3 direction);
   const void *context;
-  /* Share of the relief of a crater of a size that is drawn in a direction: 0 on models with posts
-   * closer than its diameter over `posts`, 1 farther than half its radius from them. NULL: craters
-   * are drawn wholly or not, by the spacing at their centre. */
+  /* Fraction of the relief of a crater of a size that is drawn in a direction: 0 on models with
+   * posts closer than its diameter over `posts`, 1 farther than half its radius from them. NULL:
+   * craters are drawn wholly or not, by the spacing at their centre. */
   double (*left)(const void *context, pl_vec3 direction, double diameter_m, double posts);
   double least_spacing_m; /* of all posts; what is smaller than model_posts of them is drawn */
 } pl_crater_model;
@@ -99,7 +99,7 @@ typedef struct pl_crater {
   double tau;     /* degradation: time of diffusion over R^2/diffusivity */
   double depth_m; /* rim to floor, degraded */
   double rim_m;   /* rim over the surface before the impact, degraded */
-  double kept;    /* share of the height at its centre that younger craters and models left */
+  double kept;    /* fraction of the height at its centre that younger craters and models left */
 } pl_crater;
 
 /* Lists the craters with centres within radius_m (along the ground) of a direction, with diameters

@@ -12,8 +12,8 @@
 
 typedef struct pl_crater_criteria {
   double least_px;    /* diameter as seen from the front; > 0 */
-  double least_depth; /* share of the depth of a fresh crater; 0 to 1 */
-  double least_kept;  /* share of its relief at the point; 0 to 1 */
+  double least_depth; /* fraction of the depth of a fresh crater; 0 to 1 */
+  double least_kept;  /* fraction of its relief at the point; 0 to 1 */
 } pl_crater_criteria;
 
 #define PL_CRATER_CRITERIA ((pl_crater_criteria){10.0, 0.2, 0.5})

@@ -88,8 +88,8 @@ bool pl_raster_nearest(const pl_raster *raster, pl_vec3 direction, double *value
  * around the body have no border. */
 double pl_raster_weight(const pl_raster *raster, double u, double v, double border_posts);
 /* Returns the mean of that weight over a box `width_rad` wide about a direction, seen from the
- * body's centre, and writes its column and row: a share of the footprint, also of directions just
- * outside. 0 where the raster is out of sight. */
+ * body's centre, and writes its column and row: a fraction of the footprint, also of directions
+ * just outside. 0 where the raster is out of sight. */
 double pl_raster_cover(const pl_raster *raster, pl_vec3 direction, double width_rad,
                        double border_posts, double *u, double *v);
 /* Writes bounds of pl_raster_value on all levels. */

@@ -17,7 +17,7 @@
 typedef struct pl_rock_scan {
   uint64_t serial; /* of this table; no other of the process has it */
   float *radii;    /* owned; the greatest is 1 */
-  double folded;   /* share of directions in which overhangs were filled */
+  double folded;   /* fraction of directions in which overhangs were filled */
 } pl_rock_scan;
 
 /* The mesh of a rock, in any units and any axes. */

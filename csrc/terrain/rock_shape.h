@@ -30,7 +30,7 @@ typedef struct pl_rock_family {
   double nearest, furthest; /* distance of planes from the centre; beyond 1 they cut nothing */
   int sharpness;            /* edges: exponent 2^sharpness of the norm that joins planes, 2 to 6 */
   double lumps, roughness;  /* amplitudes of wide and of narrow noise over the radius */
-  double knobs;             /* share of narrow noise that is folded */
+  double knobs;             /* fraction of narrow noise that is folded */
   int chips; /* further planes, that break corners and edges off; at most PL_ROCK_PLANES in all */
 } pl_rock_family;
 

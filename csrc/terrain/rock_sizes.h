@@ -1,7 +1,7 @@
 /* Size-frequency laws of rocks.
  *
  * D is the diameter of a rock seen from above. Golombek and Rapp (1997, JGR 102, 4117) have the
- * share of the ground covered by rocks of D or more, F = k exp(-q D), and so the density
+ * fraction of the ground covered by rocks of D or more, F = k exp(-q D), and so the density
  *     N(D) = (4 k q / pi) [exp(-q D) / D - q E1(q D)]   per m^2.
  * Their q(k) = 1.79 + 0.152 / k fits sites with k above 2 %; on the Moon, where k is below 1 %, it
  * leaves no rocks at all: there q must be given. */
@@ -48,7 +48,7 @@ pl_status pl_rock_law_check(const pl_rock_law *law, double min_m, double max_m);
 /* Number of rocks of diameter_m or more per m^2: a pl_size_density_fn of a valid law. */
 double pl_rock_density(const void *law, double diameter_m);
 
-/* Share of the ground covered by rocks of min_m to max_m. */
+/* Fraction of the ground covered by rocks of min_m to max_m. */
 double pl_rock_cover(const pl_rock_law *law, double min_m, double max_m);
 
 /* Upper incomplete gamma function of order -1: exp(-x) / x - E1(x), for x > 0, to 1e-14. */

@@ -35,7 +35,7 @@ uint64_t pl_scatter_count(const pl_scatter *scatter, const pl_scatter_cell *cell
   size_t low = 0, high = octave->count - 1;
   while (low < high) {
     const size_t middle = (low + high) / 2;
-    if (octave->shares[middle] > u)
+    if (octave->cumulative[middle] > u)
       high = middle;
     else
       low = middle + 1;
@@ -127,28 +127,28 @@ static double octave_of(pl_scatter *scatter, int level, double min_m, double max
 
 /* Cumulative Poisson probabilities, up to rounding to 1. Terms are computed from their logarithms:
  * exp(-mean) alone may underflow. Returns their number. */
-static size_t poisson_shares(double mean, double *shares) {
+static size_t poisson_cumulative(double mean, double *cumulative) {
   double log_factorial = 0.0, sum = 0.0;
   size_t k = 0;
   for (; k < PL_SCATTER_CELL_MOST; k++) {
     log_factorial += k > 0 ? log((double)k) : 0.0;
     const double term =
         mean > 0.0 ? exp((double)k * log(mean) - mean - log_factorial) : (k == 0 ? 1.0 : 0.0);
-    shares[k] = sum += term;
+    cumulative[k] = sum += term;
     if ((double)k >= mean && term < 1e-18)
       break;
   }
   const size_t count = k < PL_SCATTER_CELL_MOST ? k + 1 : k;
-  shares[count - 1] = 1.0;
+  cumulative[count - 1] = 1.0;
   return count;
 }
 
 static pl_status make_octaves(pl_scatter *scatter, double min_m, double max_m) {
-  void *shares;
+  void *cumulative;
   size_t used = 0;
   PL_TRY(pl_alloc_or_fail((size_t)PL_SCATTER_LEVELS * PL_SCATTER_CELL_MOST, sizeof(double),
-                          "numbers of scattered things", &shares));
-  scatter->shares = shares;
+                          "numbers of scattered things", &cumulative));
+  scatter->cumulative = cumulative;
   for (int level = 0; level < PL_SCATTER_LEVELS; level++) {
     pl_scatter_octave *octave = &scatter->octaves[level];
     const double mean = octave_of(scatter, level, min_m, max_m);
@@ -161,8 +161,8 @@ static pl_status make_octaves(pl_scatter *scatter, double min_m, double max_m) {
                      "diameter or lower the density",
                      1e6 * pl_size_table_density(scatter->sizes, octave->low_m), octave->low_m,
                      octave->high_m);
-    octave->shares = scatter->shares + used;
-    octave->count = poisson_shares(mean, scatter->shares + used);
+    octave->cumulative = scatter->cumulative + used;
+    octave->count = poisson_cumulative(mean, scatter->cumulative + used);
     used += octave->count;
     scatter->first = scatter->first < level ? scatter->first : level;
     scatter->last = level;
@@ -189,6 +189,6 @@ pl_status pl_scatter_init(double radius_m, uint64_t seed, uint64_t purpose,
 
 void pl_scatter_clear(pl_scatter *scatter) {
   pl_size_table_destroy(scatter->sizes);
-  pl_free(scatter->shares);
+  pl_free(scatter->cumulative);
   memset(scatter, 0, sizeof *scatter);
 }

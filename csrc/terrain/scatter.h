@@ -23,16 +23,16 @@ enum { PL_SCATTER_LEVELS = 26, PL_SCATTER_CELL_MOST = 1023 };
 /* One octave of sizes; empty if low_m >= high_m. */
 typedef struct pl_scatter_octave {
   double low_m, high_m;
-  double width;         /* of a cell in s and t */
-  const double *shares; /* shares[k]: probability of k items or fewer in a cell */
-  size_t count;         /* of shares */
+  double width;             /* of a cell in s and t */
+  const double *cumulative; /* cumulative[k]: probability of k items or fewer in a cell */
+  size_t count;             /* of `cumulative` */
 } pl_scatter_octave;
 
 typedef struct pl_scatter {
   double radius_m;
   uint64_t key[2];
   pl_size_table *sizes; /* owned */
-  double *shares;       /* of all octaves; owned */
+  double *cumulative;   /* of all octaves; owned */
   int first, last;      /* levels in use; last < first if there are none */
   pl_scatter_octave octaves[PL_SCATTER_LEVELS];
 } pl_scatter;

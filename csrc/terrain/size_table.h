@@ -21,7 +21,7 @@ void pl_size_table_destroy(pl_size_table *table);
 /* Density of items of diameter_m or more (per m^2); beyond the ends, the value there. */
 double pl_size_table_density(const pl_size_table *table, double diameter_m);
 
-/* Diameter between two (m) at which the share `u`, in [0, 1), of the items between them is
+/* Diameter between two (m) at which the fraction `u`, in [0, 1), of the items between them is
  * smaller: the law's quantile. */
 double pl_size_table_draw(const pl_size_table *table, double low_m, double high_m, double u);
 

@@ -67,7 +67,7 @@ static void teardown(site *s) {
 static void test_profile(void **state) {
   (void)state;
   const pl_crater_source one = {
-      .direction = {1.0, 0.0, 0.0}, .radius = 1e-4, .share = 0.5, .most_m = 3.0};
+      .direction = {1.0, 0.0, 0.0}, .radius = 1e-4, .fraction = 0.5, .most_m = 3.0};
   static const struct {
     double x, diameter_m, density;
   } rows[] = {{0.5, 1.0, 0.025}, {1.0, 1.0, 0.5}, {1.7, 1.0, 0.18393972058572117},

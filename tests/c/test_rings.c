@@ -105,7 +105,7 @@ static void test_even_layer(void **state) {
       sine = -mu * (1.0 + (i % 4 == 1 ? 3e-4 : 0.0)); /* where the closed form is 0/0 */
     pl_rings *rings = even_rings(depth, 0.8, 0.0);
     const pl_rings_piece piece = {
-        .share = 1.0, .low_m = 1.4e8, .high_m = 1.41e8, .sine = mu, .side = 1.0};
+        .fraction = 1.0, .low_m = 1.4e8, .high_m = 1.41e8, .sine = mu, .side = 1.0};
     const pl_rings_sun sun = {{sqrt(1.0 - sine * sine), 0.0, sine}, 1e-6};
     const pl_rings_light light = pl_rings_scatter(rings, &piece, (pl_vec3){0, 1, 0}, &sun);
     const double expected = 0.8 / (4.0 * PL_PI) * slab(depth, mu, sine);
@@ -123,7 +123,7 @@ static void test_sun_in_the_plane(void **state) {
   const double radius = 5e-4;
   pl_rings *rings = even_rings(5.0, 0.8, 0.0);
   const pl_rings_piece piece = {
-      .share = 1.0, .low_m = 1.4e8, .high_m = 1.4e8, .sine = 0.3, .side = 1.0};
+      .fraction = 1.0, .low_m = 1.4e8, .high_m = 1.4e8, .sine = 0.3, .side = 1.0};
   double before = 0.0;
   for (int i = -60; i <= 60; i++) {
     const double sine = i * radius / 10.0, steps = 20000.0;
@@ -155,7 +155,7 @@ static void test_energy(void **state) {
     for (int k = 0; k < 128; k++) {
       const double mu = 0.5 + 0.5 * rule.node[k / 2];
       const pl_rings_piece piece = {
-          .share = 1.0, .low_m = 1.4e8, .high_m = 1.4e8, .sine = mu, .side = k % 2 ? 1.0 : -1.0};
+          .fraction = 1.0, .low_m = 1.4e8, .high_m = 1.4e8, .sine = mu, .side = k % 2 ? 1.0 : -1.0};
       const pl_rings_sun sun = {{sqrt(1.0 - mu0 * mu0), 0.0, mu0}, 1e-6};
       sum += 0.5 * rule.weight[k / 2] * 2.0 * PL_PI * mu *
              pl_rings_scatter(rings, &piece, (pl_vec3){0, 1, 0}, &sun).scattered[0];
@@ -231,13 +231,13 @@ static void test_cones(void **state) {
       expected += line_opacity(rings, &ray, (i + 0.5) / LINES - 0.5) / LINES;
     pl_rings_piece pieces[PL_RINGS_PIECES];
     const size_t count = pl_rings_cut(rings, &ray, pieces);
-    double share = 0.0;
+    double fraction = 0.0;
     for (size_t i = 0; i < count; i++) {
-      share += pieces[i].share;
+      fraction += pieces[i].fraction;
       assert_true(i == 0 || pieces[i].t >= pieces[i - 1].t * (1.0 - 1e-9));
       assert_true(pieces[i].t <= ray.end_m * (1.0 + 1e-2));
     }
-    assert_true(share <= 1.0 + 1e-9);
+    assert_true(fraction <= 1.0 + 1e-9);
     const double off = fabs(1.0 - pl_rings_passed(rings, &ray) - expected);
     worst = fmax(worst, off);
     mean += off / ROUNDS;
