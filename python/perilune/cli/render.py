@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 import time
 from argparse import ArgumentParser, ArgumentTypeError, Namespace
+from collections.abc import Iterator
 
 from perilune.cli.command import INTERRUPTED, OK, Command
 from perilune.cli.options import (
@@ -16,7 +17,8 @@ from perilune.cli.options import (
     whole_number,
 )
 from perilune.cli.progress import Bar
-from perilune.export.writers import WRITERS, find, write
+from perilune.export.writers import WRITERS, WriteReport, find, write
+from perilune.export.writers.shards import chunks
 
 
 def _formats(text: str) -> list[str]:
@@ -90,13 +92,23 @@ def _run(args: Namespace) -> int:
     seconds = time.perf_counter() - start
     rate = f", {report.written / seconds:.2f} images/s" if report.written else ""
     print(f"{report.folder}: {report.written} frames written, {report.kept} kept{rate}")
+    for note in _notes(args, report):
+        print(f"note: {note}", file=sys.stderr)
+    return OK
+
+
+def _notes(args: Namespace, report: WriteReport) -> Iterator[str]:
+    """What was asked for and is probably not meant."""
     if len(args.frames) == 1 and args.frames.start > 0:
         only = args.frames.start
-        print(
-            f"note: --frames says frame {only} alone; the first {only} are 0:{only}",
-            file=sys.stderr,
+        yield f"--frames says frame {only} alone; the first {only} are 0:{only}"
+    if args.shard is not None and report.written + report.kept == 0:
+        scenes = len(chunks(args.frames, args.chunk_size))
+        yield (
+            f"--shard {args.shard[0]}/{args.shard[1]} has no frames: shards take whole scene "
+            f"folders, and there are {scenes} of them; a --chunk-size below {args.chunk_size} "
+            "makes more"
         )
-    return OK
 
 
 RENDER = Command(

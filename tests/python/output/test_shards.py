@@ -208,3 +208,12 @@ def test_commands(small_scene, tmp_path):
     done = command("render", small_scene, *words, "--shard", "2/2", "--out", "x")
     assert done.returncode == 2
     assert "0 <= K < N" in done.stderr
+
+
+def test_a_shard_without_frames_says_why(small_scene, tmp_path):
+    words = ["--frames", "0:2", "--format", "bop"]
+    done = command("render", small_scene, *words, "--shard", "0/2", "--out", tmp_path / "set")
+    assert done.returncode == 0
+    assert "0 frames written" in done.stdout
+    assert "--shard 0/2 has no frames" in done.stderr
+    assert "there are 1 of them; a --chunk-size below 1000" in done.stderr
