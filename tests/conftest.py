@@ -130,5 +130,5 @@ def shared_worlds() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(handles, "_core", _Shared())
         patch.setattr(atmospheres, "_core", _Shared())
-        patch.setattr(handles, "read_model", _read_model)
+        patch.setattr(handles, "shared_model", _read_model)
         yield

@@ -28,6 +28,18 @@ void pl_model_destroy(pl_model *model) {
   pl_free(model);
 }
 
+size_t pl_model_bytes(const pl_model *model) {
+  const float *const rows[] = {model->positions, model->normals, model->tangents,
+                               model->uvs[0],    model->uvs[1],  model->colors};
+  static const size_t sizes[] = {3, 3, 4, 2, 2, 4};
+  size_t bytes = model->triangle_count * (4 * sizeof(uint32_t) + (model->backed != NULL));
+  for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++)
+    bytes += rows[i] != NULL ? model->vertex_count * sizes[i] * sizeof(float) : 0;
+  for (size_t i = 0; !model->borrows_textures && i < model->texture_count; i++)
+    bytes += pl_texture_bytes(model->textures[i]);
+  return sizeof *model + bytes;
+}
+
 /* Returns the mesh origin along an axis: zero, unless that is far from the geometry around
  * `middle`. */
 static double origin_of(double middle, double unit) {

@@ -146,6 +146,8 @@ typedef struct pl_model {
 
 /* Frees the model including the struct; NULL is allowed. */
 void pl_model_destroy(pl_model *model);
+/* Memory of meshes and textures, bytes. */
+size_t pl_model_bytes(const pl_model *model);
 /* Recomputes the bounds. */
 void pl_model_measure(pl_model *model);
 /* Sets unit and origin of the mesh for a model in the box from `low` to `high`, model units, so

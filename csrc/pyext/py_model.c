@@ -219,6 +219,11 @@ static PyObject *get_vertex_count(PyObject *self, void *closure) {
   return PyLong_FromSize_t(of(self)->vertex_count);
 }
 
+static PyObject *get_nbytes(PyObject *self, void *closure) {
+  (void)closure;
+  return PyLong_FromSize_t(pl_model_bytes(of(self)));
+}
+
 static PyObject *get_bounds(PyObject *self, void *closure) {
   (void)closure;
   npy_intp shape[2] = {2, 3};
@@ -477,6 +482,7 @@ static PyGetSetDef model_getset[] = {
     {"path", get_path, NULL, "Path of the file, or the name given to of_mesh.", NULL},
     {"triangle_count", get_triangle_count, NULL, NULL, NULL},
     {"vertex_count", get_vertex_count, NULL, NULL, NULL},
+    {"nbytes", get_nbytes, NULL, NULL, NULL},
     {"bounds", get_bounds, NULL, "(2, 3) smallest and largest coordinates, model units.", NULL},
     {"stretch", get_stretch, NULL, "(3,) factors along its axes by which it is stretched.", NULL},
     {"parts", get_parts, NULL, "Name and material of each part.", NULL},

@@ -149,6 +149,9 @@ class Model:
     @property
     def vertex_count(self) -> int: ...
     @property
+    def nbytes(self) -> int:
+        """Memory of meshes and textures."""
+    @property
     def bounds(self) -> F64:
         """(2, 3): smallest and largest coordinates, model units, z-up."""
     @property

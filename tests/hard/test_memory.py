@@ -53,8 +53,10 @@ CHANGES = """
 import gc, json, os, sys
 import perilune
 from perilune.frame import handles
+from perilune.spacecraft import model_files
 
 handles._FILES = 2
+model_files.MODELS.most_bytes = 0
 page = os.sysconf("SC_PAGESIZE")
 base = perilune.open(sys.argv[1], overrides={"camera.width": 16, "camera.height": 12})
 sizes = {}

@@ -13,15 +13,20 @@ import pytest
 from tests.python.optics_scenes import at, ball, opened, tree
 
 from perilune import _core
-from perilune.bodies.map_cache import MAPS, MapCache
+from perilune.base.file_cache import FileCache
+from perilune.bodies.map_cache import MAPS, Read
 
 
 def write(path: Path, grey: int, side: int = 8) -> None:
     PIL.Image.fromarray(np.full((side // 2, side), grey, np.uint8)).save(path)
 
 
+def map_cache(most_bytes: int = 1 << 20) -> FileCache[Read]:
+    return FileCache(lambda read: read[0].nbytes, most_bytes)
+
+
 def test_a_file_is_read_once_until_it_changes(tmp_path: Path) -> None:
-    path, cache, reads = tmp_path / "map.png", MapCache(), []
+    path, cache, reads = tmp_path / "map.png", map_cache(), []
 
     def read() -> tuple[_core.Map, tuple[str, ...]]:
         reads.append(1)
@@ -60,7 +65,7 @@ def test_what_was_asked_for_longest_ago_is_let_go(tmp_path: Path) -> None:
         write(path, 50, side=64)
     one = _core.Map(str(paths[0])).nbytes
     assert one >= 64 * 32
-    cache, reads = MapCache(2 * one), []
+    cache, reads = map_cache(2 * one), []
 
     def ask(k: int) -> None:
         def read() -> tuple[_core.Map, tuple[str, ...]]:

@@ -42,7 +42,7 @@ from perilune.frame.volumes import Volumes
 from perilune.orbits.ground import Ground
 from perilune.sky.skies import Skies
 from perilune.spacecraft import articulation, faces
-from perilune.spacecraft.model_files import read_model
+from perilune.spacecraft.model_files import shared_model
 from perilune.spacecraft.parts import Partition, partition
 from perilune.world import World
 
@@ -232,7 +232,7 @@ class Handles:
                 make_room(files, _FILES + len(config.spacecraft))
                 try:
                     angle_rad = math.radians(craft.crease_angle_deg)
-                    files[key] = read_model(path, angle_rad, craft.stretch, craft.faces)
+                    files[key] = shared_model(path, angle_rad, craft.stretch, craft.faces)
                 except ValueError as error:
                     where = f"{self.document.source}:\n  spacecraft.{name}.model"
                     raise ConfigError(f"{where}: {error}") from error

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from pathlib import PurePath
+from pathlib import Path, PurePath
 
 import numpy as np
 
 from perilune import _core
+from perilune.base.file_cache import FileCache
 from perilune.config.faces import DEFAULT, Faces
 from perilune.spacecraft.faces import sides
 
@@ -28,6 +29,9 @@ FOREIGN: dict[str, str] = {
     ".stp": "STEP",
 }
 """Suffix -> name, for model formats that are not supported."""
+
+MODELS: FileCache[_core.Model] = FileCache(lambda model: model.nbytes)
+"""Models of single files that were read last, for all simulations of this process."""
 
 
 def foreign(path: str) -> str:
@@ -52,3 +56,32 @@ def read_model(
         raise ValueError(f"{path}: {wrong}")
     factors = None if stretch == (1.0, 1.0, 1.0) else np.array(stretch)
     return _core.Model(path, crease_angle_rad, factors, sides(faces))
+
+
+def _stands_alone(path: Path) -> bool:
+    """Whether a model is one binary file that names no others, whose changes would not be seen."""
+    try:
+        with path.open("rb") as file:
+            head = file.read(20)
+            if head[:4] != b"glTF" or head[16:] != b"JSON":
+                return False
+            text = file.read(int.from_bytes(head[12:16], "little"))
+    except OSError:
+        return False
+    return b'"uri"' not in text and b"\\u" not in text  # a name may be spelt with escapes
+
+
+def shared_model(
+    path: str,
+    crease_angle_rad: float,
+    stretch: tuple[float, float, float],
+    faces: Faces,
+) -> _core.Model:
+    """As read_model; simulations of a process share models of files that have not changed."""
+
+    def read() -> _core.Model:
+        return read_model(path, crease_angle_rad, stretch, faces)
+
+    if not _stands_alone(Path(path)):
+        return read()
+    return MODELS.of(Path(path), (crease_angle_rad, stretch, repr(faces)), read)
