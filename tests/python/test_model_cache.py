@@ -7,13 +7,13 @@ import json
 import os
 import shutil
 import struct
+import tracemalloc
 from pathlib import Path
 
 import pytest
 
 import perilune
 from perilune.config.faces import DEFAULT
-from perilune.frame import handles
 from perilune.spacecraft import model_files
 from perilune.spacecraft.model_files import shared_model
 
@@ -58,6 +58,18 @@ def test_a_model_that_names_other_files_is_read_each_time(model):
     assert shared_model(str(model), *PLAIN) is not first
 
 
+def test_a_header_that_lies_takes_no_memory(tmp_path):
+    path = tmp_path / "sat.glb"
+    path.write_bytes(b"glTF" + struct.pack("<III", 2, 28, 0xFFFFFFFF) + b"JSON{}      ")
+    tracemalloc.start()
+    try:
+        with pytest.raises(ValueError, match=r"sat\.glb"):
+            shared_model(str(path), *PLAIN)
+        assert tracemalloc.get_traced_memory()[1] < 1e6
+    finally:
+        tracemalloc.stop()
+
+
 def test_memory_is_what_meshes_and_textures_take(model):
     made = shared_model(str(model), *PLAIN)
     mesh = made.mesh()
@@ -74,7 +86,6 @@ def test_simulations_share_models(request, model, monkeypatch):
         return real(*given)
 
     monkeypatch.setattr(model_files, "read_model", read)
-    monkeypatch.setattr(handles, "shared_model", shared_model)  # not the one of other tests
     scene = request.config.rootpath / "tests/python/scene.yaml"
     change = SMALL | {"spacecraft.sat.model": str(model)}
     frames = [

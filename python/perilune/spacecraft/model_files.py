@@ -65,7 +65,8 @@ def _stands_alone(path: Path) -> bool:
             head = file.read(20)
             if head[:4] != b"glTF" or head[16:] != b"JSON":
                 return False
-            text = file.read(int.from_bytes(head[12:16], "little"))
+            said = int.from_bytes(head[12:16], "little")
+            text = file.read(min(said, path.stat().st_size))  # `read` makes room for all it is told
     except OSError:
         return False
     return b'"uri"' not in text and b"\\u" not in text  # a name may be spelt with escapes
