@@ -2,22 +2,14 @@
 
 from __future__ import annotations
 
-import functools
 import gc
 import os
-import pickle
 import signal
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import pytest
 from hypothesis import settings
-
-from perilune import _core
-from perilune.bodies import atmospheres
-from perilune.frame import handles
-from perilune.spacecraft import model_files
 
 # A timing is never a test; the blob reproduces a failure found elsewhere.
 settings.register_profile("perilune", deadline=None, print_blob=True)
@@ -76,59 +68,3 @@ def data_dir() -> Path:
 def repo_dir() -> Path:
     """The root of the repository."""
     return Path(__file__).resolve().parent.parent
-
-
-class _Shared:
-    """The core, for one module: the few maps and atmospheres that most worlds of tests have are
-    made once a process, not once a simulation. They are immutable, and what is not the same to the
-    bit (file, its time and size, options) is made anew."""
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(_core, name)
-
-    @staticmethod
-    def Map(source: Any, **options: Any) -> _core.Map:  # noqa: N802
-        if not isinstance(source, str) or not Path(source).is_file():
-            return _core.Map(source, **options)
-        return _map(source, *_stamp(source), *sorted(options.items()))
-
-    @staticmethod
-    def Air(given: dict[str, Any], radius_m: float) -> _core.Air:  # noqa: N802
-        return _air(pickle.dumps((given, radius_m)))
-
-
-def _stamp(path: str) -> tuple[int, int]:
-    found = Path(path).stat()
-    return found.st_mtime_ns, found.st_size
-
-
-def _read_model(path: str, *options: Any) -> _core.Model:
-    """The same for models, unless they consist of several files."""
-    if not path.endswith(".glb") or not Path(path).is_file():
-        return model_files.read_model(path, *options)
-    return _model(path, *_stamp(path), pickle.dumps(options))
-
-
-@functools.lru_cache(maxsize=8)
-def _model(path: str, _time_ns: int, _size: int, options: bytes) -> _core.Model:
-    return model_files.read_model(path, *pickle.loads(options))
-
-
-@functools.lru_cache(maxsize=3)
-def _map(source: str, _time_ns: int, _size: int, *options: tuple[str, Any]) -> _core.Map:
-    return _core.Map(source, **dict(options))
-
-
-@functools.lru_cache(maxsize=16)
-def _air(given: bytes) -> _core.Air:
-    return _core.Air(*pickle.loads(given))
-
-
-@pytest.fixture(scope="session", autouse=True)
-def shared_worlds() -> Iterator[None]:
-    """Simulations of one process share models, maps and atmospheres."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(handles, "_core", _Shared())
-        patch.setattr(atmospheres, "_core", _Shared())
-        patch.setattr(handles, "shared_model", _read_model)
-        yield
